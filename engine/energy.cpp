@@ -1,0 +1,50 @@
+#include "engine/energy.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "engine/kkt.h"
+
+namespace feder {
+
+double kinetic_energy(const System& s, const State& state) {
+  return 0.5 * (s.inertia.array() * state.v.array().square()).sum();
+}
+
+double row_energy(const System& s, const State& state) {
+  VectorXd phi;
+  evaluate_phi(s, state.q, phi);
+  double sum = 0.0;
+  for (int k = 0; k < s.rows; ++k)
+    if (std::isfinite(s.stiffness[k])) sum += 0.5 * s.stiffness[k] * phi[k] * phi[k];
+  return sum;
+}
+
+double external_energy(const System& s, const State& state) {
+  const double potential = s.forces.user.potential ? s.forces.user.potential(state.t, state.q) : 0.0;
+  return potential - s.forces.constant.dot(state.q);
+}
+
+double total_energy(const System& s, const State& state) {
+  return kinetic_energy(s, state) + row_energy(s, state) + external_energy(s, state);
+}
+
+Vector3d linear_momentum(const System& s, const State& state) {
+  Vector3d sum = Vector3d::Zero();
+  for (int i = 0; i < s.nodes; ++i) sum += s.mass[i] * state.v.segment<3>(3 * i);
+  return sum;
+}
+
+Vector3d angular_momentum(const System& s, const State& state) {
+  Vector3d sum = Vector3d::Zero();
+  for (int i = 0; i < s.nodes; ++i)
+    sum += s.mass[i] * Vector3d(state.q.segment<3>(3 * i)).cross(Vector3d(state.v.segment<3>(3 * i)));
+  return sum;
+}
+
+double EnergyLedger::magnitude() const {
+  return std::abs(kinetic_change) + std::abs(row_change) + std::abs(external_work) + std::abs(drag_work) +
+         std::abs(row_work) + std::abs(geometric_work) + std::abs(numerical);
+}
+
+}  // namespace feder

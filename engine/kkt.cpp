@@ -1,0 +1,305 @@
+// Evaluation of rows and forces, and the parts of the step matrix (design.md section 1, notes E4, E5, E13).
+//   spring:  lambda = -d phi - b phidot,  force J^T lambda        gamma = 1/(sigma d + rho b), b = d tau
+//   distance row:  Hess phi = (E - u u^T)/l,  so sigma Kg = -sigma lambda/l (E - u u^T) on (b - a)
+#include "engine/kkt.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace feder {
+namespace {
+
+// Visits every stencil row element with its Stencil: visit(row, stencil).
+template <class Visit>
+void for_each_stencil_row(const System& s, Visit&& visit) {
+  std::size_t at = 0;
+  for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
+    for (const auto& row : list) visit(row, s.stencils[at++]);
+  });
+}
+
+// Called only when the least squared length is 0 or NaN: names the culprit, if a real row is one.
+Status name_bad_distance(const System& s, const VectorXd& q) {
+  const DistanceRows& rows = s.distance;
+  for (int k = 0; k < rows.size(); ++k) {
+    if (!rows.active(k)) continue;
+    const double length = (q.segment<3>(3 * rows.b[k]) - q.segment<3>(3 * rows.a[k])).norm();
+    if (!std::isfinite(length))
+      return Status::failure(StatusCode::kNonFinite, s.row_name(k) + ": length is not finite");
+    if (length == 0.0 && rows.rest[k] > 0.0)
+      return Status::failure(StatusCode::kSingular, s.row_name(k) + ": its points coincide, the direction is undefined");
+  }
+  return {};
+}
+
+Status degenerate(const System& s, const Stencil& stencil) {
+  return Status::failure(StatusCode::kSingular, s.row_name(stencil.first_row) + ": degenerate (an edge of length 0, or a" +
+                                                    " straight or folded angle)");
+}
+
+template <bool kDamped>
+Status add_row_forces(const System& s, const State& state, VectorXd& f) {
+  const Kernels& kernel = kernels();
+  if (s.distance.size() > 0) {
+    const bool damped = kDamped && s.distance.has_damping;
+    const double smallest =
+        damped ? kernel.damped_forces(s.distance_view(), state.q.data(), state.v.data(), f.data())
+               : kernel.forces(s.distance_view(), state.q.data(), f.data());
+    if (!(smallest > 0.0))
+      if (Status status = name_bad_distance(s, state.q); !status.ok()) return status;
+  }
+  Status status;
+  for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
+    if (!status.ok() || row.stiffness == 0.0) return;
+    constexpr int kRows = std::decay_t<decltype(row)>::kRows, kColumns = 3 * std::decay_t<decltype(row)>::kNodes;
+    double phi[kRows], jacobian[kRows * kColumns];
+    if (!row.evaluate(state.q.data(), phi, jacobian)) status = degenerate(s, stencil);
+    for (int i = 0; i < kRows; ++i) {
+      double lambda = -row.stiffness * phi[i];
+      if constexpr (kDamped) {
+        double rate = 0.0;
+        for (int c = 0; c < kColumns; ++c) rate += jacobian[kColumns * i + c] * state.v[3 * row.nodes[c / 3] + c % 3];
+        lambda -= row.stiffness * row.damping_time * rate;
+      }
+      for (int c = 0; c < kColumns; ++c) f[3 * row.nodes[c / 3] + c % 3] += lambda * jacobian[kColumns * i + c];
+    }
+  });
+  return status;
+}
+
+}  // namespace
+
+void evaluate_phi(const System& s, const VectorXd& q, VectorXd& phi) {
+  phi.resize(s.rows);
+  for (int k = 0; k < s.distance.size(); ++k)
+    phi[k] = s.distance.active(k)
+                 ? (q.segment<3>(3 * s.distance.b[k]) - q.segment<3>(3 * s.distance.a[k])).norm() - s.distance.rest[k]
+                 : 0.0;
+  for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
+    (void)row.evaluate(q.data(), phi.data() + stencil.first_row, nullptr);
+  });
+}
+
+void evaluate_external_forces(const System& s, const State& state, VectorXd& f) {
+  f = s.forces.constant;
+  if (!s.forces.user) return;
+  s.forces.user.force(state.t, state.q, state.v, f);
+  for (int i : s.masked) f[i] = 0.0;
+}
+
+Status evaluate_undamped_forces(const System& s, const State& state, VectorXd& f) {
+  evaluate_external_forces(s, state, f);
+  return add_row_forces<false>(s, state, f);
+}
+
+Status evaluate_forces(const System& s, const State& state, VectorXd& f) {
+  evaluate_external_forces(s, state, f);
+  if (s.forces.has_drag) f.array() -= s.forces.drag.array() * state.v.array();
+  return add_row_forces<true>(s, state, f);
+}
+
+void Kkt::prepare(const System& s) {
+  system = &s;
+  const int n = 3 * s.nodes, md = s.distance.size();
+  for (VectorXd* x : {&mass, &inverse_mass, &p, &scratch_v_}) *x = VectorXd::Zero(n);
+  for (VectorXd* x : {&gamma, &inverse_gamma, &r, &phi, &scratch_y_}) *x = VectorXd::Zero(s.rows);
+  u = VectorXd::Zero(3 * md);
+  length = VectorXd::Zero(md);
+  geometric_distance = VectorXd::Zero(md);
+  jacobian = VectorXd::Zero(s.jacobian_size);
+  geometric_stencil = VectorXd::Zero(s.matrix_size);
+  geometric = false;
+  sigma_ = rho_ = -1.0;
+  set_step(1.0, 1.0);
+}
+
+void Kkt::set_step(double sigma, double rho) {
+  if (sigma == sigma_ && rho == rho_) return;
+  sigma_ = sigma;
+  rho_ = rho;
+  ++step_serial_;
+  inert_distance_.clear();
+  inert_stencil_.clear();
+  mass = system->inertia + rho * system->forces.drag;
+  inverse_mass = system->inverse_mass;
+  for (int i = 0; i < mass.size(); ++i) {
+    if (inverse_mass[i] > 0.0) inverse_mass[i] = 1.0 / mass[i];
+    if (mass[i] == 0.0) mass[i] = 1.0;
+  }
+  for (int k = 0; k < system->rows; ++k) {
+    const double d = system->stiffness[k], weight = d * (sigma + rho * system->damping_time[k]);
+    const bool pushes = d > 0.0 && weight > 0.0;
+    gamma[k] = pushes ? 1.0 / weight : 1.0;  // hard: weight = inf, gamma = 0
+    inverse_gamma[k] = pushes && std::isfinite(weight) ? weight : 0.0;
+    if (!pushes && k < system->distance.size()) inert_distance_.push_back(k);
+  }
+  for (std::size_t i = 0; i < system->stencils.size(); ++i) {
+    const Stencil& stencil = system->stencils[i];
+    if (stencil.rows > 0 && gamma[stencil.first_row] > 0.0 && inverse_gamma[stencil.first_row] == 0.0)
+      inert_stencil_.push_back(static_cast<int>(i));
+  }
+}
+
+Status Kkt::evaluate(const VectorXd& q, bool with_length) {
+  const System& s = *system;
+  if (s.distance.size() > 0) {
+    const double smallest =
+        kernels().evaluate(s.distance_view(), q.data(), u.data(), with_length ? length.data() : nullptr, phi.data());
+    if (!(smallest > 0.0))
+      if (Status status = name_bad_distance(s, q); !status.ok()) return status;
+    for (int k : inert_distance_) {
+      u.segment<3>(3 * k).setZero();
+      phi[k] = 0.0;
+    }
+  }
+  Status status;
+  for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
+    if (!row.evaluate(q.data(), phi.data() + stencil.first_row, jacobian.data() + stencil.jacobian) && status.ok() &&
+        row.stiffness > 0.0)
+      status = degenerate(s, stencil);
+  });
+  for (int i : inert_stencil_) {
+    const Stencil& stencil = s.stencils[i];
+    phi.segment(stencil.first_row, stencil.rows).setZero();
+    jacobian.segment(stencil.jacobian, stencil.rows * 3 * stencil.nodes).setZero();
+  }
+  return status;
+}
+
+namespace {
+
+// The nearest positive semidefinite matrix: negative eigenvalues become 0.
+template <class Matrix>
+void clamp_to_semidefinite(Eigen::Ref<Matrix> m) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(m);
+  m = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state, const VectorXd& lambda) {
+  const System& s = *system;
+  geometric = kind != GeometricStiffness::kOff;
+  if (!geometric) return;
+  const bool clamp = kind == GeometricStiffness::kClamped;
+  for (int k = 0; k < s.distance.size(); ++k) {
+    double tension = -lambda[k];
+    if (clamp && tension < 0.0) tension = 0.0;
+    // zero rest length at zero length: the limit of d phi / l is d
+    geometric_distance[k] = length[k] > 0.0 ? sigma * tension / length[k] : sigma * s.distance.spring[k];
+  }
+  for (int k : s.inactive_distance) geometric_distance[k] = 0.0;
+
+  for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
+    constexpr int kSize = 3 * std::decay_t<decltype(row)>::kNodes;
+    using Square = Eigen::Matrix<double, kSize, kSize>;
+    Eigen::Map<Square> out(geometric_stencil.data() + stencil.matrix);
+    row.hessian(state.q.data(), lambda.data() + stencil.first_row, out);
+    out *= row.stiffness == 0.0 ? 0.0 : -sigma;
+    if (clamp) clamp_to_semidefinite<Square>(out);
+  });
+
+  if (!s.forces.user.stiffness) return;
+  const std::size_t first = s.stencils.size() - s.forces.user.stencils.size();
+  if (first == s.stencils.size()) return;
+  double* user = geometric_stencil.data() + s.stencils[first].matrix;
+  s.forces.user.stiffness(state.t, state.q, state.v, user);
+  for (std::size_t i = first; i < s.stencils.size(); ++i) {
+    const int size = 3 * s.stencils[i].nodes;
+    Eigen::Map<Eigen::MatrixXd> out(geometric_stencil.data() + s.stencils[i].matrix, size, size);
+    out = (0.5 * sigma * (out + out.transpose())).eval();
+    if (clamp) clamp_to_semidefinite<Eigen::MatrixXd>(out);
+  }
+}
+
+void Kkt::multiply_jacobian(const VectorXd& v, VectorXd& out) const {
+  const System& s = *system;
+  out.resize(s.rows);
+  kernels().multiply(s.distance_view(), u.data(), v.data(), out.data());
+  for (const Stencil& stencil : s.stencils) {
+    const int* nodes = s.stencil_nodes.data() + stencil.first_node;
+    const double* J = jacobian.data() + stencil.jacobian;
+    for (int i = 0; i < stencil.rows; ++i) {
+      double sum = 0.0;
+      for (int c = 0; c < 3 * stencil.nodes; ++c) sum += *J++ * v[3 * nodes[c / 3] + c % 3];
+      out[stencil.first_row + i] = sum;
+    }
+  }
+}
+
+void Kkt::add_jacobian_transpose(const VectorXd& y, VectorXd& out) const {
+  const System& s = *system;
+  kernels().add_transpose(s.distance_view(), u.data(), y.data(), out.data());
+  for (const Stencil& stencil : s.stencils) {
+    const int* nodes = s.stencil_nodes.data() + stencil.first_node;
+    const double* J = jacobian.data() + stencil.jacobian;
+    for (int i = 0; i < stencil.rows; ++i)
+      for (int c = 0; c < 3 * stencil.nodes; ++c) out[3 * nodes[c / 3] + c % 3] += *J++ * y[stencil.first_row + i];
+  }
+}
+
+void Kkt::add_geometric(const VectorXd& v, VectorXd& out) const {
+  if (!geometric) return;
+  const System& s = *system;
+  for (int k = 0; k < s.distance.size(); ++k) {
+    const int a = 3 * s.distance.a[k], b = 3 * s.distance.b[k];
+    const Vector3d w = u.segment<3>(3 * k), dv = v.segment<3>(b) - v.segment<3>(a);
+    const Vector3d f = geometric_distance[k] * (dv - w * w.dot(dv));
+    out.segment<3>(a) -= f;
+    out.segment<3>(b) += f;
+  }
+  for (const Stencil& stencil : s.stencils) {
+    const int* nodes = s.stencil_nodes.data() + stencil.first_node;
+    const double* K = geometric_stencil.data() + stencil.matrix;
+    for (int i = 0; i < stencil.nodes; ++i)
+      for (int j = 0; j < stencil.nodes; ++j)
+        for (int c = 0; c < 9; ++c)
+          out[3 * nodes[i] + c / 3] += K[(3 * i + c / 3) * 3 * stencil.nodes + 3 * j + c % 3] * v[3 * nodes[j] + c % 3];
+  }
+}
+
+ResidualSize Kkt::residual_size(const VectorXd& v, const VectorXd& y) const { return residual(v, y, nullptr, nullptr); }
+
+ResidualSize Kkt::residual(const VectorXd& v, const VectorXd& y, VectorXd* residual_v, VectorXd* residual_y) const {
+  const System& s = *system;
+  if (residual_v) residual_v->resize(p.size());
+  if (residual_y) residual_y->resize(r.size());
+  auto relative = [](double error, double scale) { return scale > 0.0 ? error / scale : error; };
+  auto larger = [](double x, double z) { return z > x || z != z ? z : x; };
+  const Kernels& kernel = kernels();
+  double sums[5];
+
+  // first block row: p - Mt v + J^T y
+  scratch_v_.setZero();
+  add_jacobian_transpose(y, scratch_v_);
+  double geometric_terms = 0.0;
+  if (geometric) {
+    scratch_geometric_.setZero(p.size());
+    add_geometric(v, scratch_geometric_);
+    geometric_terms = scratch_geometric_.norm();
+    scratch_v_ -= scratch_geometric_;
+  }
+  for (int i : s.masked) scratch_v_[i] = -p[i];
+  kernel.balance(p.size(), p.data(), -1.0, mass.data(), v.data(), scratch_v_.data(),
+                 residual_v ? residual_v->data() : nullptr, sums);
+  const double terms_v = std::sqrt(sums[0]) + std::sqrt(sums[1]) + geometric_terms, balance_v = std::sqrt(sums[2]);
+  const double error_v = std::sqrt(sums[3]), size_v = std::sqrt(sums[4]);
+
+  // second block row: r + gamma y + J v
+  multiply_jacobian(v, scratch_y_);
+  kernel.balance(r.size(), r.data(), 1.0, gamma.data(), y.data(), scratch_y_.data(),
+                 residual_y ? residual_y->data() : nullptr, sums);
+  const double terms_y = std::sqrt(sums[0]) + std::sqrt(sums[1]), balance_y = std::sqrt(sums[2]);
+  const double error_y = std::sqrt(sums[3]);
+
+  // |J_k| is sqrt 2 for a distance row; a stencil row's is summed
+  double row_forces = 2.0 * sums[4];
+  for (const Stencil& stencil : s.stencils)
+    for (int i = 0; i < stencil.rows; ++i)
+      row_forces += jacobian.segment(stencil.jacobian + 3 * stencil.nodes * i, 3 * stencil.nodes).squaredNorm() *
+                    y[stencil.first_row + i] * y[stencil.first_row + i];
+  return {larger(relative(error_v, terms_v + std::sqrt(row_forces)), relative(error_y, terms_y + 2.0 * size_v)),
+          larger(relative(error_v, terms_v + balance_v), relative(error_y, terms_y + balance_y))};
+}
+
+}  // namespace feder

@@ -1,0 +1,204 @@
+#include "engine/system.h"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/check.h"
+
+namespace feder {
+
+DistanceView System::distance_view() const {
+  return {distance.a.data(),      distance.b.data(),       distance.run.data(), distance.rest.data(),
+          distance.spring.data(), distance.damping.data(), distance.batches()};
+}
+
+std::string System::row_name(int row) const {
+  auto named = [](const std::string& kind, int id, const int* ends, int count) {
+    std::string text = kind + " row " + std::to_string(id) + " (nodes ";
+    for (int i = 0; i < count; ++i) text += (i ? ", " : "") + std::to_string(ends[i]);
+    return text + ")";
+  };
+  if (row < distance.size()) {
+    const int pair[2] = {distance.a[row], distance.b[row]};
+    return named("distance", distance.public_row[row], pair, 2);
+  }
+  std::string name = "row " + std::to_string(row);
+  int first = distance.size();
+  for_each_stencil_row_type(stencil_rows, [&](const auto& list) {
+    using Row = typename std::decay_t<decltype(list)>::value_type;
+    const int end = first + Row::kRows * static_cast<int>(list.size());
+    if (row >= first && row < end) {
+      int id = -1;
+      const int head = first + (row - first) / Row::kRows * Row::kRows;
+      for (std::size_t i = 0; i < row_of_id.size(); ++i)
+        if (row_of_id[i] == head) id = static_cast<int>(i);
+      name = named(Row::kName, id, list[(row - first) / Row::kRows].nodes.data(), Row::kNodes);
+    }
+    first = end;
+  });
+  return name;
+}
+
+std::string SystemBuilder::place(int node) const { return "node " + std::to_string(node); }
+
+Anchor SystemBuilder::add_particle(double mass, const Vector3d& position, const Vector3d& velocity, FreeMask free) {
+  const int node = static_cast<int>(nodes_.size());
+  require_positive(place(node), "mass", mass, "kg");
+  for (int c = 0; c < 3; ++c) {
+    require_finite(place(node), "position", position[c], "m");
+    require_finite(place(node), "velocity", velocity[c], "m/s");
+    if (!(free >> c & 1) && velocity[c] != 0.0)
+      fail_input(place(node), "velocity", velocity[c], "m/s", "0 along a masked coordinate");
+  }
+  if (free > kFree) fail_input(place(node), "free mask", free, "", "a value from 0 to 7");
+  nodes_.push_back({mass, position, velocity, free});
+  return {node};
+}
+
+Anchor SystemBuilder::add_world_point(const Vector3d& position) {
+  const int node = static_cast<int>(nodes_.size());
+  for (int c = 0; c < 3; ++c) require_finite(place(node), "position", position[c], "m");
+  nodes_.push_back({0.0, position, Vector3d::Zero(), kPinned});
+  return {node};
+}
+
+int SystemBuilder::require_node(Anchor anchor, const std::string& where) const {
+  if (anchor.node < 0 || anchor.node >= static_cast<int>(nodes_.size()))
+    fail_input(where, "node", anchor.node, "", "an existing node, 0 to " + std::to_string(nodes_.size() - 1));
+  return anchor.node;
+}
+
+void SystemBuilder::check_material(const std::string& where, const Material& material, const char* unit,
+                                   bool may_be_rigid) const {
+  const double d = material.stiffness;
+  const bool rigid = d == std::numeric_limits<double>::infinity();
+  if (rigid && !may_be_rigid) fail_input(where, "stiffness", d, unit, "a finite value: this row type has no rigid form");
+  if (!rigid) require_non_negative(where, "stiffness", d, unit);
+  require_non_negative(where, "damping time", material.damping_time, "s");
+}
+
+int SystemBuilder::add_distance(Anchor a, Anchor b, const Material& material, double rest) {
+  const int id = static_cast<int>(ids_.size());
+  const std::string where = "row " + std::to_string(id) + " (distance)";
+  const int i = require_node(a, where), j = require_node(b, where);
+  if (i == j) fail_input(where, "node", i, "", "two different nodes");
+  check_material(where, material, "N/m", true);
+  if (std::isnan(rest) || std::isinf(rest)) require_finite(where, "rest length", rest, "m");
+  const double length = (nodes_[j].position - nodes_[i].position).norm();
+  distance_.push_back({i, j, rest < 0.0 ? length : rest, material.stiffness, material.damping_time});
+  ids_.push_back({-1, static_cast<int>(distance_.size()) - 1});
+  return id;
+}
+
+void SystemBuilder::add_constant_force(Anchor at, const Vector3d& force) {
+  const int node = require_node(at, "constant force");
+  for (int c = 0; c < 3; ++c) require_finite("constant force on " + place(node), "force", force[c], "N");
+  constant_.emplace_back(node, force);
+}
+
+namespace {
+
+// Stencils of the row types and of the user force, with their places in the Jacobian and matrix pools.
+void lay_out_stencils(System& s) {
+  auto append = [&](const int* nodes, int count, int rows) {
+    s.stencils.push_back({s.rows, rows, static_cast<int>(s.stencil_nodes.size()), count, s.jacobian_size, s.matrix_size});
+    s.stencil_nodes.insert(s.stencil_nodes.end(), nodes, nodes + count);
+    s.jacobian_size += rows * 3 * count;
+    s.matrix_size += 9 * count * count;
+    s.rows += rows;
+  };
+  s.rows = s.distance.size();
+  for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
+    for (const auto& row : list) append(row.nodes.data(), row.kNodes, row.kRows);
+  });
+  for (const std::vector<int>& stencil : s.forces.user.stencils)
+    append(stencil.data(), static_cast<int>(stencil.size()), 0);
+}
+
+void collect_row_materials(System& s) {
+  s.stiffness = VectorXd::Zero(s.rows);
+  s.damping_time = VectorXd::Zero(s.rows);
+  for (int k = 0; k < s.distance.size(); ++k) {
+    s.stiffness[k] = s.distance.stiffness[k];
+    s.damping_time[k] = s.distance.damping_time[k];
+    if (!s.distance.active(k)) s.inactive_distance.push_back(k);
+  }
+  int row = s.distance.size();
+  for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
+    for (const auto& element : list)
+      for (int i = 0; i < element.kRows; ++i, ++row) {
+        s.stiffness[row] = element.stiffness;
+        s.damping_time[row] = element.damping_time;
+      }
+  });
+  s.active_rows = static_cast<int>((s.stiffness.array() > 0.0).count());
+  s.has_hard_rows = s.stiffness.size() > 0 && std::isinf(s.stiffness.maxCoeff());
+  s.has_damping = (s.stiffness.array() > 0.0 && s.damping_time.array() > 0.0).any();
+}
+
+}  // namespace
+
+SystemBuilder::Built SystemBuilder::build() const {
+  if (nodes_.empty()) throw InputError("system: no nodes, expected at least one particle");
+  for (int c = 0; c < 3; ++c) require_finite("system", "gravity", gravity_[c], "m/s^2");
+  require_non_negative("system", "drag", drag_, "kg/s");
+
+  Built out;
+  System& s = out.system;
+  s.nodes = static_cast<int>(nodes_.size());
+  s.mass = VectorXd::Zero(s.nodes);
+  s.inertia = s.inverse_mass = s.forces.constant = s.forces.drag = VectorXd::Zero(3 * s.nodes);
+  out.state.q = out.state.v = VectorXd::Zero(3 * s.nodes);
+  s.forces.gravity = gravity_;
+  s.forces.user = user_;
+  s.forces.has_drag = drag_ > 0.0;
+  for (int i = 0; i < s.nodes; ++i) {
+    const Node& node = nodes_[i];
+    s.mass[i] = node.mass;
+    s.free.push_back(node.free);
+    out.state.q.segment<3>(3 * i) = node.position;
+    out.state.v.segment<3>(3 * i) = node.velocity;
+    for (int c = 0; c < 3; ++c) {
+      s.inertia[3 * i + c] = node.mass;
+      if (!(node.free >> c & 1)) {
+        s.masked.push_back(3 * i + c);
+        continue;
+      }
+      ++s.free_count;
+      s.inverse_mass[3 * i + c] = 1.0 / node.mass;
+      s.forces.constant[3 * i + c] = node.mass * gravity_[c];
+      s.forces.drag[3 * i + c] = drag_;
+    }
+  }
+  for (const auto& [node, force] : constant_)
+    for (int c = 0; c < 3; ++c)
+      if (nodes_[node].free >> c & 1) s.forces.constant[3 * node + c] += force[c];
+
+  for (const std::vector<int>& stencil : user_.stencils)
+    for (int node : stencil) (void)require_node({node}, "user force stencil");
+  s.distance = arrange_distance_rows(distance_, s.nodes);
+  s.stencil_rows = stencil_rows_;
+  lay_out_stencils(s);
+  collect_row_materials(s);
+
+  // public ids: distance rows moved by the batches, stencil rows in order
+  std::vector<int> slot(distance_.size());
+  for (int k = 0; k < s.distance.size(); ++k)
+    if (s.distance.public_row[k] >= 0) slot[s.distance.public_row[k]] = k;
+  std::vector<int> first_of_type, rows_of_type;
+  int next = s.distance.size();
+  for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
+    using Row = typename std::decay_t<decltype(list)>::value_type;
+    first_of_type.push_back(next);
+    rows_of_type.push_back(Row::kRows);
+    next += Row::kRows * static_cast<int>(list.size());
+  });
+  for (std::size_t id = 0; id < ids_.size(); ++id) {
+    const auto [type, index] = ids_[id];
+    s.row_of_id.push_back(type < 0 ? slot[index] : first_of_type[type] + rows_of_type[type] * index);
+    if (type < 0) s.distance.public_row[slot[index]] = static_cast<int>(id);
+  }
+  return out;
+}
+
+}  // namespace feder

@@ -1,0 +1,91 @@
+// Linearised implicit Euler. Ledger: M(v' - v) = dt f - dt B v' - dt^2 Kg v' + J^T y, multiplied by v'.
+#include "solvers/implicit_euler.h"
+
+#include <cmath>
+
+#include "solvers/stopwatch.h"
+
+namespace feder {
+
+template <GeometricStiffness kKind>
+Status LinearImplicitEuler<kKind>::prepare() {
+  kkt_.prepare(*system_);
+  dt_ = 0.0;
+  return solver_.analyze(*system_, kGeometric);
+}
+
+template <GeometricStiffness kKind>
+void LinearImplicitEuler<kKind>::reset_times() {
+  times_ = {};
+  solver_.reset_times();
+}
+
+template <GeometricStiffness kKind>
+Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, const History& history) {
+  const System& s = *system_;
+  if (s.forces.user) {  // the only force that looks at the state: at t_next, q_n, v_n
+    at_ = state;
+    at_.t += dt;
+    evaluate_external_forces(s, at_, kkt_.p);
+  }
+  const VectorXd& force = s.forces.user ? kkt_.p : s.forces.constant;
+  kernels().momentum(kkt_.p.size(), s.mass.data(), state.v.data(), dt, force.data(), kkt_.p.data());
+  kkt_.set_step(dt * dt, dt);
+  if (dt != dt_) rate_ = (dt + s.damping_time.array()).inverse();
+  dt_ = dt;
+  if (Status status = kkt_.evaluate(state.q, kGeometric); !status.ok()) return status;
+  kernels().product(kkt_.r.size(), kkt_.phi.data(), rate_.data(), kkt_.r.data());
+  if constexpr (kGeometric) {
+    // lambda at q_n: springs from phi, hard rows from the last step
+    lambda_.resize(s.rows);
+    for (int k = 0; k < s.rows; ++k)
+      lambda_[k] = std::isfinite(s.stiffness[k])            ? -s.stiffness[k] * kkt_.phi[k]
+                   : history.lambda.size() == lambda_.size() ? history.lambda[k]
+                                                             : 0.0;
+    at_ = state;
+    at_.t += dt;
+    kkt_.set_geometric_stiffness(kKind, dt * dt, at_, lambda_);
+  }
+  return {};
+}
+
+template <GeometricStiffness kKind>
+Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& history, EnergyLedger* ledger) {
+  const System& s = *system_;
+  {
+    const Stopwatch watch(times_.evaluate);
+    if (Status status = linearise(dt, state, history); !status.ok()) return status;
+  }
+  if (Status status = solver_.factor(kkt_); !status.ok()) return status;
+  report_ = solver_.solve(kkt_, v_, y_);
+  if (!report_.status.ok()) return report_.status;
+  ++counts_.steps, ++counts_.force_evaluations;
+
+  if (ledger) {
+    const VectorXd drag = -s.forces.drag.cwiseProduct(v_), dv = v_ - state.v;
+    const VectorXd impulse = kkt_.p - s.inertia.cwiseProduct(state.v);
+    VectorXd Jv, Kv = VectorXd::Zero(v_.size());
+    kkt_.multiply_jacobian(v_, Jv);
+    kkt_.add_geometric(v_, Kv);
+    *ledger = {-kinetic_energy(s, state), -row_energy(s, state), impulse.dot(v_), dt * drag.dot(v_), y_.dot(Jv),
+               -Kv.dot(v_), -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
+  }
+  {
+    const Stopwatch watch(times_.update);
+    kernels().drift(v_.size(), dt, v_.data(), state.q.data(), state.q.data());
+    std::swap(state.v, v_);
+    state.t += dt;
+    if (s.has_hard_rows) history.lambda = y_ / dt;
+    history.force.resize(0);
+  }
+  if (ledger) {
+    ledger->kinetic_change += kinetic_energy(s, state);
+    ledger->row_change += row_energy(s, state);
+  }
+  return {};
+}
+
+template class LinearImplicitEuler<GeometricStiffness::kOff>;
+template class LinearImplicitEuler<GeometricStiffness::kClamped>;
+
+}  // namespace feder

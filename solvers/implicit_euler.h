@@ -1,0 +1,51 @@
+#pragma once
+
+#include "solvers/integrator.h"
+
+namespace feder {
+
+/// Implicit Euler with one linearisation at q_n (notes E8): the step matrix with sigma = dt^2, rho = dt, p = M v + dt f,
+/// r = phi/(dt + tau); q' = q + dt v'. Works by every route.
+///   kOff      the notes' step: force directions stay frozen; stable only below 2/sqrt(lambda_max(Kg - Km, M))
+///   kClamped  with the positive semidefinite part of dt^2 Kg in Mt
+template <GeometricStiffness kKind>
+class LinearImplicitEuler {
+ public:
+  static constexpr bool kGeometric = kKind != GeometricStiffness::kOff;
+  static constexpr IntegratorInfo kInfo{
+      kGeometric ? "implicit_euler_geometric" : "implicit_euler_notes", 1, true, false,
+      kGeometric ? "one linear solve per step, with clamped geometric stiffness"
+                 : "one linear solve per step, the notes' step without geometric stiffness"};
+  static std::string refusal(const System&) { return {}; }
+
+  LinearImplicitEuler(const System& system, const IntegratorOptions& options)
+      : system_(&system), solver_(options.route, options.solve) {}
+  Status prepare();
+  Status step(double dt, State& state, History& history, EnergyLedger* ledger);
+  const StepCounts& counts() const { return counts_; }
+  const LinearSolver& solver() const { return solver_; }
+  LinearSolver& solver() { return solver_; }
+  const StepTimes& times() const { return times_; }
+  void reset_times();
+  const Kkt& kkt() const { return kkt_; }
+  const SolveReport& report() const { return report_; }
+
+ private:
+  Status linearise(double dt, const State& state, const History& history);
+
+  const System* system_;
+  LinearSolver solver_;
+  Kkt kkt_;
+  State at_;
+  VectorXd v_, y_, lambda_;
+  double dt_ = 0.0;  // the step rate_ belongs to
+  VectorXd rate_;    // 1 / (dt + tau) per row
+  SolveReport report_;
+  StepCounts counts_;
+  StepTimes times_;
+};
+
+using ImplicitEulerNotes = LinearImplicitEuler<GeometricStiffness::kOff>;
+using ImplicitEulerGeometric = LinearImplicitEuler<GeometricStiffness::kClamped>;
+
+}  // namespace feder

@@ -1,0 +1,166 @@
+// Unknowns v' and y = dt lambda. With q' = q_n + dt v':
+//   G = M (v' - v_n) + dt B v' - dt f_ext - J(q')^T y = 0
+//   g = gamma y + phi(q')/dt - tau phi(q_n) / (dt (dt + tau)) = 0       (soft rows: solved for y, so g = 0 always)
+// Newton: [Mt, -J^T; -J, -gamma] (dv, dy) = (-G, g),  Mt = M + dt B + dt^2 Kg(y/dt).  Phi's gradient is G.
+// Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v'; what Newton left of G shows as imbalance.
+#include "solvers/implicit_euler_newton.h"
+
+#include <cmath>
+
+namespace feder {
+namespace {
+constexpr double kArmijo = 1e-4;          // required fraction of the predicted decrease
+constexpr double kRounding = 1e-13;       // changes of the merit below this fraction of its terms are noise
+constexpr double kStalledButGood = 1e-9;  // residual at which a Newton that no longer contracts has reached rounding
+constexpr int kMostCuts = 30;
+}  // namespace
+
+Status ImplicitEulerNewton::prepare() {
+  kkt_.prepare(*system_);
+  return solver_.analyze(*system_, true);
+}
+
+Status ImplicitEulerNewton::evaluate(double dt, const State& start, Iterate& at) {
+  const System& s = *system_;
+  at.state.t = start.t + dt;
+  at.state.q = start.q + dt * at.state.v;
+  ++counts_.force_evaluations;
+  if (Status status = kkt_.evaluate(at.state.q); !status.ok()) return status;
+  at.phi = kkt_.phi;
+
+  // rows: soft ones give y, hard ones keep theirs
+  const auto tau = s.damping_time.array();
+  at.g = at.phi.array() / dt - tau * phi_start_.array() / (dt * (dt + tau));
+  for (int k = 0; k < s.rows; ++k)
+    if (kkt_.gamma[k] > 0.0) {
+      at.y[k] = -at.g[k] * kkt_.inverse_gamma[k];
+      at.g[k] = 0.0;
+    }
+
+  // momentum balance and its scale
+  evaluate_external_forces(s, at.state, external_);
+  VectorXd rows = VectorXd::Zero(at.state.q.size());
+  kkt_.add_jacobian_transpose(at.y, rows);
+  for (int i : s.masked) rows[i] = 0.0;
+  at.residual = kkt_.mass.cwiseProduct(at.state.v) - s.inertia.cwiseProduct(start.v) - dt * external_ - rows;
+  for (int i : s.masked) at.residual[i] = 0.0;
+  const double scale = kkt_.mass.cwiseProduct(at.state.v).norm() + s.inertia.cwiseProduct(start.v).norm() +
+                       dt * external_.norm() + rows.norm();
+  const double row_scale = at.state.v.norm() + at.state.q.norm() / dt;
+  at.relative = (scale > 0.0 ? at.residual.norm() / scale : 0.0) + at.g.norm() / row_scale;
+  return std::isfinite(at.relative) ? Status{} : Status::failure(StatusCode::kNonFinite, "Newton residual is not finite");
+}
+
+Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
+  lambda_ = at.y / dt;
+  kkt_.p = -at.residual;
+  kkt_.r = at.g;
+  Status status;
+  for (GeometricStiffness kind : {GeometricStiffness::kFull, GeometricStiffness::kClamped}) {
+    kkt_.set_geometric_stiffness(kind, dt * dt, at.state, lambda_);
+    status = solver_.factor(kkt_);
+    if (status.ok()) status = solver_.solve(kkt_, dv_, dy_).status;
+    if (status.code != StatusCode::kSingular) return status;
+    ++counts_.indefinite_matrices;
+  }
+  return status;
+}
+
+double ImplicitEulerNewton::merit(double dt, const State& start, const Iterate& at, double& magnitude) const {
+  const System& s = *system_;
+  const auto v = at.state.v.array();
+  const double inertia = 0.5 * (s.inertia.array() * (v - start.v.array()).square()).sum();
+  const double drag = 0.5 * dt * (s.forces.drag.array() * v.square()).sum();
+  double rows = 0.0, penalty = 0.0;
+  for (int k = 0; k < s.rows; ++k) {
+    const double phi = at.phi[k], tau = s.damping_time[k];
+    if (kkt_.gamma[k] == 0.0)
+      penalty += penalty_ * std::abs(phi - tau / (dt + tau) * phi_start_[k]);
+    else
+      rows += s.stiffness[k] / dt * ((dt + tau) * 0.5 * phi * phi - tau * phi_start_[k] * phi);
+  }
+  // a user force without a potential is frozen at the current iterate: the slope there is still right
+  const double external = s.forces.user && s.forces.user.potential
+                              ? s.forces.user.potential(at.state.t, at.state.q) - s.forces.constant.dot(at.state.q - start.q)
+                              : -frozen_force_.dot(at.state.q - start.q);
+  magnitude = inertia + drag + std::abs(rows) + penalty + std::abs(external);
+  return inertia + drag + rows + penalty + external;
+}
+
+Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& at) {
+  // slope of Phi + penalty along (dv, dy): G.dv on soft rows; the penalty falls by its linearised violation
+  frozen_force_ = external_;
+  double slope = at.residual.dot(dv_), hard = 0.0, largest = 0.0;
+  VectorXd Jdv;
+  kkt_.multiply_jacobian(dv_, Jdv);
+  for (int k = 0; k < system_->rows; ++k)
+    if (kkt_.gamma[k] == 0.0) {
+      largest = std::max(largest, std::abs(at.y[k] + dy_[k]) / dt);
+      slope += at.y[k] * Jdv[k];  // Phi itself does not contain the hard rows' force
+      hard += std::abs(at.g[k]) * dt;
+    }
+  penalty_ = std::max(penalty_, 2.0 * largest);
+  slope -= penalty_ * hard;
+
+  double magnitude = 0.0, trial_magnitude = 0.0;
+  const double before = merit(dt, start, at, magnitude);
+  double step = 1.0;
+  Status status;
+  for (int cut = 0; cut <= kMostCuts; ++cut, step *= 0.5) {
+    trial_.state.v = at.state.v + step * dv_;
+    trial_.y = at.y + step * dy_;
+    status = evaluate(dt, start, trial_);
+    if (status.ok()) {
+      const double after = merit(dt, start, trial_, trial_magnitude);
+      const double noise = kRounding * (magnitude + trial_magnitude);
+      if (after <= before + kArmijo * step * slope + noise) {
+        std::swap(at, trial_);
+        return {};
+      }
+    }
+    ++counts_.line_search_cuts;
+  }
+  return Status::failure(StatusCode::kNotConverged, "line search found no decrease of the incremental potential");
+}
+
+Status ImplicitEulerNewton::step(double dt, State& state, History& history, EnergyLedger* ledger) {
+  const System& s = *system_;
+  kkt_.set_step(dt * dt, dt);
+  evaluate_phi(s, state.q, phi_start_);
+  penalty_ = 0.0;
+
+  // start from rest at q_n: the first iterate is the linearised step
+  at_.state.v = VectorXd::Zero(state.v.size());
+  at_.y = VectorXd::Zero(s.rows);
+  if (s.has_hard_rows && history.lambda.size() == s.rows) at_.y = dt * history.lambda;
+  if (Status status = evaluate(dt, state, at_); !status.ok()) return status;
+  bool converged = false;
+  for (int i = 0; i < options_.most_newton_iterations && !converged; ++i) {
+    const double before = at_.relative;
+    if (Status status = solve_direction(dt, at_); !status.ok()) return status;
+    if (Status status = line_search(dt, state, at_); !status.ok()) return status;
+    ++counts_.newton_iterations;
+    converged = at_.relative <= options_.newton_tolerance || (at_.relative <= kStalledButGood && at_.relative > 0.25 * before);
+  }
+  if (!converged)
+    return Status::failure(StatusCode::kNotConverged,
+                           "Newton stopped after " + std::to_string(options_.most_newton_iterations) +
+                               " iterations with relative residual " + std::to_string(at_.relative));
+  ++counts_.steps;
+  if (ledger) keep_books(dt, state, at_, *ledger);
+  std::swap(state, at_.state);
+  history.lambda = at_.y / dt;
+  history.force.resize(0);
+  return {};
+}
+
+void ImplicitEulerNewton::keep_books(double dt, const State& start, const Iterate& end, EnergyLedger& ledger) const {
+  const System& s = *system_;
+  const VectorXd &v = end.state.v, dv = v - start.v, drag = -s.forces.drag.cwiseProduct(v);
+  VectorXd Jv;
+  kkt_.multiply_jacobian(v, Jv);
+  ledger = {kinetic_energy(s, end.state) - kinetic_energy(s, start), row_energy(s, end.state) - row_energy(s, start),
+            dt * external_.dot(v), dt * drag.dot(v), end.y.dot(Jv), 0.0, -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
+}
+
+}  // namespace feder

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "solvers/integrator.h"
+
+namespace feder {
+
+/// Implicit Euler solved to convergence: full Newton with line search on the incremental potential
+///   Phi(v) = 1/2 |v - v_n|_M^2 + dt/2 v.B v + sum_k W_k(phi_k(q')) + P(q'),   q' = q_n + dt v,
+///   W = 1/dt (d (dt + tau) phi'^2 / 2 - d tau phi_n phi'),   P = potential of the external forces,
+/// plus mu |phi| on hard rows (exact penalty). Kg is full; where that matrix is not positive definite, clamped (counted).
+class ImplicitEulerNewton {
+ public:
+  static constexpr IntegratorInfo kInfo{"implicit_euler_newton", 1, true, false,
+                                        "Newton to convergence with full geometric stiffness and line search"};
+  static std::string refusal(const System&) { return {}; }
+
+  ImplicitEulerNewton(const System& system, const IntegratorOptions& options)
+      : system_(&system), options_(options), solver_(options.route, options.solve) {}
+  Status prepare();
+  Status step(double dt, State& state, History& history, EnergyLedger* ledger);
+  const StepCounts& counts() const { return counts_; }
+  LinearSolver& solver() { return solver_; }
+
+ private:
+  struct Iterate {
+    State state;              // t_next, q', v'
+    VectorXd phi, y;          // rows at q', y = dt lambda
+    VectorXd residual, g;     // of the momentum balance and of the rows
+    double relative = 0.0;    // |residual| against its terms, and |g| likewise
+  };
+  Status evaluate(double dt, const State& start, Iterate& at);
+  Status solve_direction(double dt, const Iterate& at);
+  double merit(double dt, const State& start, const Iterate& at, double& magnitude) const;
+  Status line_search(double dt, const State& start, Iterate& at);
+  void keep_books(double dt, const State& start, const Iterate& end, EnergyLedger& ledger) const;
+
+  const System* system_;
+  IntegratorOptions options_;
+  LinearSolver solver_;
+  Kkt kkt_;
+  Iterate at_, trial_;
+  VectorXd external_, phi_start_, dv_, dy_, lambda_, frozen_force_;
+  double penalty_ = 0.0;
+  StepCounts counts_;
+};
+
+}  // namespace feder

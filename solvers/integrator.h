@@ -1,0 +1,64 @@
+#pragma once
+
+#include <string>
+
+#include "engine/energy.h"
+#include "engine/kkt.h"
+#include "engine/status.h"
+#include "solvers/linear/linear_solver.h"
+
+namespace feder {
+
+/// What every integrator is built with; each takes what it needs.
+struct IntegratorOptions {
+  std::string route = "auto";  ///< linear route of the implicit ones
+  SolveOptions solve;
+  double newton_tolerance = 1e-14;  ///< relative residual of the momentum balance
+  int most_newton_iterations = 50;
+};
+
+/// What an integrator tells about itself.
+struct IntegratorInfo {
+  const char* name;
+  int order;        ///< of the position error at a fixed time
+  bool implicit;
+  bool symplectic;  ///< on undamped scenes
+  const char* summary;
+};
+
+/// Work done since prepare().
+struct StepCounts {
+  long steps = 0;
+  long force_evaluations = 0;
+  long newton_iterations = 0;
+  long line_search_cuts = 0;
+  long indefinite_matrices = 0;  ///< full Kg was not positive definite; the clamped one was used instead
+};
+
+/// Seconds of the phases of a step that are not the linear solver's.
+struct StepTimes {
+  double evaluate = 0.0, update = 0.0;
+};
+
+/// The contract of an integrator type T (checked by the compiler where the list is used):
+///   static constexpr IntegratorInfo kInfo;
+///   static std::string refusal(const System&);            empty if it admits the scene
+///   T(const System&, const IntegratorOptions&);           keeps a pointer to the system
+///   Status prepare();                                     analysis, once
+///   Status step(double dt, State&, History&, EnergyLedger*);
+/// A step starts at state.t and adds dt to it; on failure state and history are as before, bitwise. `ledger` may be null.
+template <class T>
+concept IntegratorType = requires(T integrator, const System& system, const IntegratorOptions& options, State& state,
+                                  History& history, EnergyLedger* ledger) {
+  T(system, options);
+  { T::kInfo.name } -> std::convertible_to<const char*>;
+  { T::refusal(system) } -> std::convertible_to<std::string>;
+  { integrator.prepare() } -> std::same_as<Status>;
+  { integrator.step(0.1, state, history, ledger) } -> std::same_as<Status>;
+  { integrator.counts() } -> std::convertible_to<const StepCounts&>;
+};
+
+/// Why an explicit integrator cannot take the scene: it has no matrix to hold a hard row. Empty if it can.
+std::string refuse_hard_rows(const System& system, const char* integrator);
+
+}  // namespace feder

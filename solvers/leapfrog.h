@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "solvers/integrator.h"
+
+namespace feder {
+
+/// Kick-drift-kick (notes B3): v+ = v + dt/2 M^-1 F(q, v),  q' = q + dt v+,  v' = v+ + dt/2 M^-1 F(q', v').
+/// The second kick is implicit in v: a division with drag, one linear solve with row damping (the step matrix with sigma = 0,
+/// rho = dt/2), nothing otherwise. Stable up to omega dt = 2 whatever the damping; symplectic without it.
+class Leapfrog {
+ public:
+  static constexpr IntegratorInfo kInfo{"leapfrog", 2, false, true, "one right-hand side per step; symplectic without damping"};
+  static std::string refusal(const System& system) { return refuse_hard_rows(system, kInfo.name); }
+
+  Leapfrog(const System& system, const IntegratorOptions& options);
+  Status prepare();
+  Status step(double dt, State& state, History& history, EnergyLedger* ledger);
+  const StepCounts& counts() const { return counts_; }
+
+ private:
+  Status damped_kick(double dt, const State& half, VectorXd& v_next);
+
+  struct Damping {  // only where rows are damped
+    Kkt kkt;
+    LinearSolver solver;
+    VectorXd y;
+  };
+  const System* system_;
+  IntegratorOptions options_;
+  std::unique_ptr<Damping> damping_;
+  VectorXd force_, v_next_;
+  State next_;
+  StepCounts counts_;
+};
+
+}  // namespace feder

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/kkt.h"
+#include "solvers/linear/cholmod_factor.h"
+#include "solvers/linear/numbering.h"
+#include "solvers/linear/pattern.h"
+
+namespace feder {
+
+/// Dual Schur complement S = J Mt^-1 J^T + gamma (positive definite if every row is soft or J has full row rank), one unknown per
+/// active row, by CHOLMOD LL^T.
+///   y = -S^-1 (b2 + J Mt^-1 b1),   v = Mt^-1 (b1 + J^T y)
+/// Admits infinite stiffness; Mt must be block diagonal, so Kg is refused.
+class DualSchur {
+ public:
+  static constexpr const char* kName = "dual";
+  static std::string refusal(const System& system, bool geometric);
+
+  Status analyze(const System& system, bool geometric);
+  void assemble(const Kkt& kkt);
+  Status factor(const Kkt& kkt);
+  void reduce(const Kkt& kkt, const VectorXd& b1, const VectorXd& b2);
+  void substitute();
+  void expand(const Kkt& kkt, const VectorXd& b1, const VectorXd& b2, VectorXd& v, VectorXd& y);
+
+  double flops() const { return factor_.flops(); }
+  std::string description() const;
+  double rcond() const { return system_->active_rows > 0 ? factor_.rcond() : 1.0; }
+  Inertia inertia() const { return {system_->free_count, system_->active_rows, 0}; }
+  const SymmetricPattern& pattern() const { return factor_.pattern(); }
+  const std::vector<double>& values() const { return values_; }
+
+ private:
+  struct Pair {  // S[entry] += weight block_i . block_j: two distance rows at a node of equal inverse masses
+    int entry, left, right, coordinate;
+    double sign, weight;
+  };
+  struct Product {  // S[entry] += sign block_i . Mt^-1 block_j: anything else
+    int entry, coordinate, left, right;
+    double sign;
+  };
+  struct Diagonal {  // its own products of a distance row between such nodes: 1/m_a + 1/m_b, since |u| = 1
+    int entry, row;
+    double value;
+  };
+  void keep_constants(const Kkt& kkt);
+
+  const System* system_ = nullptr;
+  std::string ordering_;
+  std::vector<int> row_;             // row of each unknown
+  std::vector<Diagonal> diagonal_;
+  std::vector<Pair> pairs_;
+  std::vector<Product> mixed_;       // left and right index incidences_
+  long step_serial_ = -1;            // of the Kkt that diagonal_ and pairs_ hold the weights of
+  std::vector<Incidence> incidences_;
+  CholmodFactor factor_;
+  std::vector<double> values_, rhs_;
+  VectorXd scratch_v_, scratch_y_;
+};
+
+}  // namespace feder

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/kkt.h"
+#include "solvers/linear/routes.h"
+
+namespace feder {
+
+/// Limits of a solve. Errors as in ResidualSize: always those of the unreduced KKT system.
+struct SolveOptions {
+  double refine_above = 1e-12;  ///< refine while the balance error exceeds this and refinement halves it
+  double accept_below = 1e-11;  ///< backward error above which the solve has failed
+  int most_refinements = 10;
+  bool estimate_condition = false;  ///< fill SolveReport::rcond
+};
+
+/// The certificate of a solve.
+struct SolveReport {
+  Status status;
+  double backward_error = 0.0, balance_error = 0.0;
+  Inertia inertia;      ///< of the KKT matrix; anything but (n, m, 0) is a failure
+  double rcond = -1.0;  ///< estimate from the factor of the route's own matrix; -1 if not asked for
+  int refinements = 0;
+};
+
+/// Seconds spent per phase since the last reset, and how often.
+struct PhaseTimes {
+  double analyze = 0.0, assemble = 0.0, factor = 0.0, residual = 0.0, refine = 0.0;
+  double transfer = 0.0;  ///< right-hand side to the route's unknowns, and back
+  double solve = 0.0;     ///< forward and back substitution
+  long factorizations = 0, solves = 0, refinements = 0;
+};
+
+/// A route in use: analyze once per scene, factor per linearisation, solve per right-hand side.
+///
+///     LinearSolver solver("auto");
+///     if (Status s = solver.analyze(system, false); !s.ok()) ...
+///     if (Status s = solver.factor(kkt); !s.ok()) ...
+///     SolveReport report = solver.solve(kkt, v, y);     // kkt.p and kkt.r are the right-hand side
+class LinearSolver {
+ public:
+  /// "kkt", "primal", "dual", "dense" or "auto". Throws InputError for any other name.
+  explicit LinearSolver(std::string route = "auto", const SolveOptions& options = {});
+
+  /// Chooses (for "auto") and analyses. kRefused, with the reason, if the named route does not admit the scene.
+  Status analyze(const System& system, bool geometric);
+  Status factor(const Kkt& kkt);
+  SolveReport solve(const Kkt& kkt, VectorXd& v, VectorXd& y);
+
+  std::string route_name() const;
+  /// Why this route: rows against unknowns, predicted flops of those considered.
+  const std::string& choice_reason() const { return reason_; }
+  double flops() const;
+  const Route& route() const { return route_; }
+  const PhaseTimes& times() const { return times_; }
+  void reset_times() { times_ = {}; }
+  SolveOptions& options() { return options_; }
+
+ private:
+  Status analyze_named(const System& system, bool geometric, const std::string& name);
+  Status choose(const System& system, bool geometric);
+
+  std::string wanted_, reason_;
+  SolveOptions options_;
+  Route route_;
+  PhaseTimes times_;
+  VectorXd residual_v_, residual_y_, correction_v_, correction_y_;
+};
+
+/// Names of all routes in the list, "dense" last.
+std::vector<std::string> route_names();
+
+}  // namespace feder

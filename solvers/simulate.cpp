@@ -1,0 +1,170 @@
+#include "solvers/simulate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "engine/check.h"
+
+namespace feder {
+namespace {
+
+constexpr int kCheckEvery = 8;  // steps between two looks at the energy
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Kinetic energy the scene could reach by itself: what it has, what its springs hold, and its weight falling through its size.
+double energy_scale(const System& s, const State& state) {
+  Eigen::Map<const Eigen::Matrix3Xd> x(state.q.data(), 3, s.nodes);
+  const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+  return kinetic_energy(s, state) + row_energy(s, state) + s.forces.constant.norm() * std::max(size, 1e-3) + 1e-12;
+}
+
+Status check_state(const System& s, const State& state, double limit) {
+  const double kinetic = kinetic_energy(s, state);
+  if (!std::isfinite(kinetic) || !state.q.allFinite())
+    return Status::failure(StatusCode::kNonFinite, "state is not finite at t = " + std::to_string(state.t) + " s");
+  if (kinetic > limit) return Status::failure(StatusCode::kDiverged, "kinetic energy passed the divergence bound at t = " + std::to_string(state.t) + " s");
+  return {};
+}
+
+Status refuse_or_prepare(const System& system, Integrator& integrator) {
+  if (const std::string why = refusal(integrator, system); !why.empty()) return Status::failure(StatusCode::kRefused, why);
+  return std::visit([](auto& i) { return i.prepare(); }, integrator);
+}
+
+template <class T>
+void run(const System& system, T& integrator, State& state, History& history, const RunOptions& options, RunResult& result) {
+  const double t0 = state.t, end = options.end_time;
+  const std::int64_t steps = step_count(t0, end, options.dt);
+  const double limit = options.divergence * energy_scale(system, state);
+  const auto start = std::chrono::steady_clock::now();
+  for (std::int64_t n = 0; n < steps && result.status.ok(); ++n) {
+    const bool last = n + 1 == steps;
+    const double rest = end - state.t;
+    // keep dt itself where the rest differs from it by rounding only: the step matrix stays the same
+    const double dt = last && std::abs(rest - options.dt) > 1e-9 * options.dt ? rest : options.dt;
+    EnergyLedger* ledger = nullptr;
+    if (options.ledgers) ledger = &options.ledgers->emplace_back();
+    result.status = integrator.step(dt, state, history, ledger);
+    if (!result.status.ok()) break;
+    state.t = last ? end : std::fma(static_cast<double>(n + 1), options.dt, t0);
+    result.steps = n + 1;
+    if (last || n % kCheckEvery == kCheckEvery - 1) {
+      result.status = check_state(system, state, limit);
+      if (result.status.ok() && options.max_seconds > 0.0 && seconds_since(start) > options.max_seconds)
+        result.status = Status::failure(StatusCode::kLimitReached, "wall-clock budget used up at t = " + std::to_string(state.t) + " s");
+    }
+    if (options.observer && result.status.ok() && !options.observer(state, history))
+      result.status = Status::failure(StatusCode::kInterrupted, "stopped by the observer");
+  }
+  result.seconds = seconds_since(start);
+}
+
+}  // namespace
+
+std::int64_t step_count(double t0, double end, double dt) {
+  require_positive("run", "dt", dt, "s");
+  require_finite("run", "start time", t0, "s");
+  require_finite("run", "end time", end, "s");
+  const double span = end - t0;
+  if (!(span > 0.0)) fail_input("run", "end time", end, "s", "a time after the start, " + std::to_string(t0) + " s");
+  if (dt > span * (1.0 + 1e-9)) fail_input("run", "dt", dt, "s", "at most the length of the run, " + std::to_string(span) + " s");
+  const double ratio = span / dt;
+  if (!(ratio < 9007199254740992.0) || !(t0 + dt > t0) || !(end - dt < end))
+    fail_input("run", "dt", dt, "s", "a step that the clock can resolve and fewer than 2^53 of them");
+  // a rest of a billionth of a step is rounding of span / dt, not a step
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(ratio - 1e-9)));
+}
+
+RunResult simulate(const System& system, Integrator& integrator, State& state, History& history, const RunOptions& options) {
+  RunResult result;
+  (void)step_count(state.t, options.end_time, options.dt);
+  result.status = refuse_or_prepare(system, integrator);
+  if (!result.status.ok()) return result;
+  std::visit([&](auto& i) { run(system, i, state, history, options, result); }, integrator);
+  return result;
+}
+
+double doubling_error(const System& s, const State& full, const State& halves, double dt, int order) {
+  double sum = 0.0;
+  for (int i = 0; i < s.nodes; ++i)
+    if (s.free[i])
+      sum += s.mass[i] * ((halves.q.segment<3>(3 * i) - full.q.segment<3>(3 * i)).squaredNorm() +
+                          dt * dt * (halves.v.segment<3>(3 * i) - full.v.segment<3>(3 * i)).squaredNorm());
+  double mass = 0.0;
+  for (int i = 0; i < s.nodes; ++i)
+    if (s.free[i]) mass += s.mass[i];
+  return std::sqrt(sum / mass) / (std::ldexp(1.0, order) - 1.0);
+}
+
+AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, State& state, History& history,
+                                 const AdaptiveOptions& options) {
+  require_positive("adaptive run", "tolerance", options.tolerance, "m");
+  require_positive("adaptive run", "first dt", options.first_dt, "s");
+  if (!(options.end_time > state.t)) fail_input("adaptive run", "end time", options.end_time, "s", "a time after the start");
+  AdaptiveResult result;
+  if (options.extrapolate && system.has_hard_rows)
+    result.status = Status::failure(StatusCode::kRefused, "extrapolation would violate hard rows: switch it off");
+  else
+    result.status = refuse_or_prepare(system, integrator);
+  if (!result.status.ok()) return result;
+
+  const int order = info(integrator).order;
+  const double gain = 1.0 / (std::ldexp(1.0, order) - 1.0);
+  auto advance = [&](double dt, State& at, History& past) {
+    return std::visit([&](auto& i) { return i.step(dt, at, past, nullptr); }, integrator);
+  };
+  const auto start = std::chrono::steady_clock::now();
+  double dt = history.suggested_dt > 0.0 ? history.suggested_dt : options.first_dt;
+  result.smallest_dt = options.end_time - state.t;
+  State full, halves;
+  History full_history, halves_history;
+  while (state.t < options.end_time && result.status.ok()) {
+    const bool last = dt >= (options.end_time - state.t) * (1.0 - 1e-12);
+    const double h = last ? options.end_time - state.t : dt;
+    full = halves = state;
+    full_history = halves_history = history;
+
+    // one full step against two half steps
+    Status status = advance(h, full, full_history);
+    if (status.ok()) status = advance(0.5 * h, halves, halves_history);
+    if (status.ok()) status = advance(0.5 * h, halves, halves_history);
+    double error = status.ok() ? doubling_error(system, full, halves, h, order) : HUGE_VAL;
+    if (!std::isfinite(error)) error = HUGE_VAL;
+    if (status.code == StatusCode::kRefused) result.status = status;
+
+    // accept, and the next step by the order of the local error
+    const double factor = error > 0.0 ? 0.9 * std::pow(options.tolerance / error, 1.0 / (order + 1)) : 5.0;
+    if (error <= options.tolerance) {
+      if (options.extrapolate) {
+        halves.q += gain * (halves.q - full.q);
+        halves.v += gain * (halves.v - full.v);
+        halves_history.force.resize(0);
+      }
+      std::swap(state, halves);
+      std::swap(history, halves_history);
+      if (last) state.t = options.end_time;
+      ++result.accepted;
+      result.smallest_dt = std::min(result.smallest_dt, h);
+      result.largest_dt = std::max(result.largest_dt, h);
+      if (options.observer && !options.observer(state, h, error))
+        result.status = Status::failure(StatusCode::kInterrupted, "stopped by the observer");
+    } else {
+      ++result.rejected;
+    }
+    dt = h * std::clamp(factor, 0.2, 5.0);
+    if (!last || error > options.tolerance) history.suggested_dt = dt;
+    if (dt < options.least_dt && state.t < options.end_time)
+      result.status = Status::failure(StatusCode::kStepTooSmall, "step-size control asks for dt = " + std::to_string(dt) +
+                                                                     " s" + (status.ok() ? "" : ": " + status.reason));
+    else if (result.accepted + result.rejected >= options.most_steps)
+      result.status = Status::failure(StatusCode::kLimitReached, "step budget used up");
+  }
+  result.seconds = seconds_since(start);
+  return result;
+}
+
+}  // namespace feder

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <string>
+
+#include "engine/system.h"
+
+namespace feder {
+
+// ---- One mode x'' + c x' + omega^2 x = 0: largest stable dt [s]
+// -------------------------------------------------- omega_squared [1/s^2] and the damping rate c [1/s] must
+// be >= 0; otherwise the exact solution grows and the answer is NaN. Infinity: stable at every step. Zero:
+// unstable at every step.
+
+/// |1 + dt s| <= 1 for both roots s: c / omega^2 underdamped, 2 / |s_max| overdamped, 0 undamped.
+double explicit_euler_limit(double omega_squared, double c);
+/// 2 / omega whatever the damping (kick-drift-kick, the damping of the second kick implicit).
+double leapfrog_limit(double omega_squared, double c);
+/// |R(dt s)| <= 1 for both roots, R the RK4 polynomial: 2.8284 / omega undamped, 2.7853 / |s_max| overdamped.
+double rk4_limit(double omega_squared, double c);
+
+/// The same along the ray of one root s [1/s]: largest dt with |1 + dt s| <= 1 or |R(dt s)| <= 1; 0 for Re s
+/// > 0.
+double explicit_euler_limit(std::complex<double> s);
+double rk4_limit(std::complex<double> s);
+
+/// The notes' step (implicit Euler linearised with J frozen), notes E8: stable iff 4 M + 2 dt C + dt^2 (Km -
+/// Kg) >= 0, so 2 / sqrt(lambda_max(Kg - Km, M)) without damping. Symmetric matrices; M [kg] positive
+/// definite; C [kg/s] = J^T D tau J + drag.
+double notes_step_limit(const Eigen::MatrixXd& M, const Eigen::MatrixXd& Km, const Eigen::MatrixXd& Kg,
+                        const Eigen::MatrixXd& C);
+
+// ---- A system linearised at a state
+// ---------------------------------------------------------------------------
+
+/// Predicted limit. dt [s]: infinity if there is none, 0 if no step is stable, NaN if it cannot be predicted.
+/// `why` says in every case which frequency, damping or obstacle decided.
+struct StabilityLimit {
+  double dt;
+  std::string why;
+};
+
+/// Largest frequency [rad/s] of M^-1/2 (Km + Kg) M^-1/2 over the free coordinates, Km = J^T D J, Kg with
+/// lambda = -D phi, plus the stiffness of the user force if it gives one. NaN with hard rows (their frequency
+/// is infinite), at a degenerate or non-finite state, and if Lanczos does not converge. Modes with negative
+/// stiffness grow in the exact solution too and do not count.
+double largest_frequency(const System& system, const State& state);
+
+/// Explicit Euler and RK4 need the whole damped spectrum. Modal where the damping diagonalises with the
+/// stiffness (drag proportional to mass; one damping time and no stress); otherwise eigenvalues of the dense
+/// companion matrix up to kLargestDenseSize free coordinates and NaN beyond.
+StabilityLimit stability_limit_explicit_euler(const System& system, const State& state);
+StabilityLimit stability_limit_rk4(const System& system, const State& state);
+/// 2 / omega_max for any damping matrix C >= 0: the characteristic form M (z-1)^2 + dt/2 C (z^2-1) + dt^2 K z
+/// has its only damped crossing of |z| = 1 at z = -1, where C drops out.
+StabilityLimit stability_limit_leapfrog(const System& system, const State& state);
+/// As notes_step_limit above, matrix-free; stress comes from Kg at the state.
+StabilityLimit stability_limit_notes_step(const System& system, const State& state);
+
+inline constexpr int kLargestDenseSize = 300;
+
+}  // namespace feder
