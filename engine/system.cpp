@@ -44,6 +44,7 @@ std::string SystemBuilder::place(int node) const { return "node " + std::to_stri
 Anchor SystemBuilder::add_particle(double mass, const Vector3d& position, const Vector3d& velocity, FreeMask free) {
   const int node = static_cast<int>(nodes_.size());
   require_positive(place(node), "mass", mass, "kg");
+  if (!std::isfinite(1.0 / mass)) fail_input(place(node), "mass", mass, "kg", "a mass whose inverse is finite");
   for (int c = 0; c < 3; ++c) {
     require_finite(place(node), "position", position[c], "m");
     require_finite(place(node), "velocity", velocity[c], "m/s");

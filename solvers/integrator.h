@@ -12,7 +12,7 @@ namespace feder {
 /// What every integrator is built with; each takes what it needs.
 struct IntegratorOptions {
   std::string route = "auto";  ///< linear route of the implicit ones
-  SolveOptions solve;
+  SolveOptions solve = {};
   double newton_tolerance = 1e-14;  ///< relative residual of the momentum balance
   int most_newton_iterations = 50;
 };

@@ -15,7 +15,7 @@ struct RunOptions {
   double divergence = 1e6;      ///< stop when kinetic energy exceeds this many times the scene's own energy scale
   std::vector<EnergyLedger>* ledgers = nullptr;  ///< one per step if not null
   /// Called after every step; false ends the run with kInterrupted.
-  std::function<bool(const State&, const History&)> observer;
+  std::function<bool(const State&, const History&)> observer = {};
 };
 
 struct RunResult {
@@ -43,7 +43,7 @@ struct AdaptiveOptions {
   /// tolerance. Refused with hard rows, which extrapolation would violate.
   bool extrapolate = true;
   std::int64_t most_steps = 100'000'000;
-  std::function<bool(const State&, double dt, double error)> observer;  ///< after every accepted step
+  std::function<bool(const State&, double dt, double error)> observer = {};  ///< after every accepted step
 };
 
 struct AdaptiveResult {

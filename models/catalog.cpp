@@ -1,0 +1,113 @@
+#include "models/catalog.h"
+
+#include <algorithm>
+
+#include "engine/check.h"
+#include "models/bending_rod.h"
+#include "models/chain.h"
+#include "models/cloth.h"
+#include "models/damped_oscillator.h"
+#include "models/hanging_chain.h"
+#include "models/lattice.h"
+#include "models/oscillator.h"
+#include "models/parameters.h"
+#include "models/pendulum.h"
+#include "models/spring_pendulum.h"
+#include "models/taut_string.h"
+
+namespace feder {
+
+// THE LIST.
+const std::vector<ModelInfo>& catalog() {
+  static const std::vector<ModelInfo> list = {
+      oscillator_model(), damped_oscillator_model(), pendulum_model(),    spring_pendulum_model(),
+      chain_model(),      hanging_chain_model(),     taut_string_model(), bending_rod_model(),
+      cloth_model(),      lattice_model(),
+  };
+  return list;
+}
+
+namespace {
+
+// What a spec asks for.
+struct Request {
+  const ModelInfo* info = nullptr;
+  Settings settings;
+};
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+// "key=value,key=value"; every key once.
+Settings parse_settings(const std::string& place, const std::string& text) {
+  Settings settings;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const std::size_t equals = part.find('=');
+    if (equals == std::string::npos)
+      throw InputError(place + ": setting " + quoted(part) + ", expected key=value");
+    const Setting setting{trimmed(part.substr(0, equals)), trimmed(part.substr(equals + 1))};
+    for (const Setting& earlier : settings)
+      if (earlier.key == setting.key)
+        throw InputError(place + ": parameter " + quoted(setting.key) + " given twice, expected once");
+    settings.push_back(setting);
+    begin = end + 1;
+  }
+  return settings;
+}
+
+[[noreturn]] void fail_unknown_model(const std::string& head, const std::string& name) {
+  std::vector<std::string> models, presets, all;
+  for (const ModelInfo& info : catalog()) {
+    models.push_back(info.name);
+    all.push_back(info.name);
+    for (const Preset& preset : info.presets) {
+      presets.push_back(preset.name + "(" + preset.argument + ")");
+      all.push_back(preset.name);
+    }
+  }
+  throw InputError("model " + quoted(head) + ": unknown, did you mean '" + nearest(name, all) +
+                   "'? Models: " + join(models) + "; presets: " + join(presets));
+}
+
+// The part before the colon: a model, or a preset with its size in brackets.
+Request find_model(const std::string& head) {
+  const std::size_t bracket = head.find('(');
+  const std::string name = trimmed(head.substr(0, bracket));
+  for (const ModelInfo& info : catalog()) {
+    if (bracket == std::string::npos && info.name == name) return {&info, {}};
+    for (const Preset& preset : info.presets) {
+      if (preset.name != name) continue;
+      if (bracket == std::string::npos || head.back() != ')')
+        throw InputError("preset " + quoted(head) + ": expected " + name + "(" + preset.argument +
+                         "), for example " + name + "(10)");
+      Request request{&info, preset.fixed};
+      request.settings.push_back(
+          {preset.argument, trimmed(head.substr(bracket + 1, head.size() - bracket - 2))});
+      return request;
+    }
+  }
+  fail_unknown_model(head, name);
+}
+
+}  // namespace
+
+Model make_model(const std::string& spec) {
+  const std::size_t colon = spec.find(':');
+  Request request = find_model(trimmed(spec.substr(0, colon)));
+  if (colon != std::string::npos)
+    for (const Setting& setting : parse_settings("model " + request.info->name, spec.substr(colon + 1)))
+      request.settings.push_back(setting);
+  Model model = request.info->build(request.settings);
+  // numbers good one by one may still overflow together
+  require_positive("model " + request.info->name, "end time", model.end_time, "s");
+  require_positive("model " + request.info->name, "scene length", model.scene_length, "m");
+  model.name = spec;
+  return model;
+}
+
+}  // namespace feder
