@@ -1,8 +1,8 @@
 // Bending rows over x0, x1, x2 with a = x1 - x0, b = x2 - x1 (notes E2).
 //
-// Curvature: for a weight w, s = w.kappa = n / D with n = 2 w.(a x b), D = |a||b| + a.b. First and second derivatives of n and D
-// are elementary (below); s follows from the quotient rule. Row i is w = e_i.
-// Angle: psi = atan2(|c|, a.b), c = a x b, e = c/|c|:  grad_a psi = a x e / a^2,  grad_b psi = e x b / b^2.
+// Curvature: for a weight w, s = w.kappa = n / D with n = 2 w.(a x b), D = |a||b| + a.b. First and second
+// derivatives of n and D are elementary (below); s follows from the quotient rule. Row i is w = e_i. Angle:
+// psi = atan2(|c|, a.b), c = a x b, e = c/|c|:  grad_a psi = a x e / a^2,  grad_b psi = e x b / b^2.
 #include "engine/bending.h"
 
 #include <Eigen/Geometry>
@@ -67,7 +67,8 @@ void CurvatureRow::check(const std::string&) const {}
 
 void AngleRow::check(const std::string& where) const {
   if (!(rest_angle > 0.0 && rest_angle < std::numbers::pi))
-    fail_input(where, "rest angle", rest_angle, "rad", "a value inside (0, pi); a straight rest state is a curvature row");
+    fail_input(where, "rest angle", rest_angle, "rad",
+               "a value inside (0, pi); a straight rest state is a curvature row");
 }
 
 bool CurvatureRow::evaluate(const double* q, double* phi, double* jacobian) const {
@@ -112,12 +113,12 @@ void CurvatureRow::hessian(const double* q, const double* lambda, Eigen::Ref<Mat
   Matrix6d n_xx = Matrix6d::Zero(), D_xx;
   n_xx.topRightCorner<3, 3>() = -2.0 * skew(w);
   n_xx.bottomLeftCorner<3, 3>() = 2.0 * skew(w);
-  D_xx << e.length_b / e.length_a * (E - ua * ua.transpose()), ua * ub.transpose() + E, ub * ua.transpose() + E,
-      e.length_a / e.length_b * (E - ub * ub.transpose());
+  D_xx << e.length_b / e.length_a * (E - ua * ua.transpose()), ua * ub.transpose() + E,
+      ub * ua.transpose() + E, e.length_a / e.length_b * (E - ub * ub.transpose());
 
   // quotient rule for s = n / D
-  const Matrix6d s_xx = n_xx / D - (n_x * D_x.transpose() + D_x * n_x.transpose()) / (D * D) - n / (D * D) * D_xx +
-                        2.0 * n / (D * D * D) * D_x * D_x.transpose();
+  const Matrix6d s_xx = n_xx / D - (n_x * D_x.transpose() + D_x * n_x.transpose()) / (D * D) -
+                        n / (D * D) * D_xx + 2.0 * n / (D * D * D) * D_x * D_x.transpose();
   hessian_to_nodes(s_xx, out);
 }
 
@@ -151,8 +152,7 @@ void AngleRow::hessian(const double* q, const double* lambda, Eigen::Ref<Matrix9
 
   // d c = -[b]x da + [a]x db; differentiate g_a = a x axis / a^2 and g_b = axis x b / b^2
   Matrix6d h;
-  h.topLeftCorner<3, 3>() =
-      (-skew(axis) - skew(e.a) * P * skew(e.b)) / a2 - 2.0 / a2 * g_a * e.a.transpose();
+  h.topLeftCorner<3, 3>() = (-skew(axis) - skew(e.a) * P * skew(e.b)) / a2 - 2.0 / a2 * g_a * e.a.transpose();
   h.topRightCorner<3, 3>() = skew(e.a) * P * skew(e.a) / a2;
   h.bottomLeftCorner<3, 3>() = h.topRightCorner<3, 3>().transpose();
   h.bottomRightCorner<3, 3>() =

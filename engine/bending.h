@@ -8,8 +8,9 @@
 
 namespace feder {
 
-/// Bending of a chain of three nodes that is straight at rest: phi = kappa = 2 a x b / (|a||b| + a.b), a = x1 - x0,
-/// b = x2 - x1. Three rows of rank 2 (kappa is orthogonal to a and b), so finite stiffness only. |kappa| = 2 tan(psi/2).
+/// Bending of a chain of three nodes that is straight at rest: phi = kappa = 2 a x b / (|a||b| + a.b), a = x1
+/// - x0, b = x2 - x1. Three rows of rank 2 (kappa is orthogonal to a and b), so finite stiffness only.
+/// |kappa| = 2 tan(psi/2).
 struct CurvatureRow {
   static constexpr int kNodes = 3;
   static constexpr int kRows = 3;
@@ -23,8 +24,8 @@ struct CurvatureRow {
 
   /// Input checks of this type alone; throws InputError.
   void check(const std::string& where) const;
-  /// phi: kRows values [1]; jacobian: kRows x 9 row-major [1/m], may be null. False where the row is degenerate
-  /// (an edge of length 0 or folded back, psi = pi); then phi and jacobian are 0.
+  /// phi: kRows values [1]; jacobian: kRows x 9 row-major [1/m], may be null. False where the row is
+  /// degenerate (an edge of length 0 or folded back, psi = pi); then phi and jacobian are 0.
   bool evaluate(const double* q, double* phi, double* jacobian) const;
   /// sum_i lambda_i Hess phi_i over (x0, x1, x2), 9 x 9.
   void hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::Matrix<double, 9, 9>> out) const;

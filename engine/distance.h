@@ -8,9 +8,10 @@ namespace feder {
 
 /// All distance rows (springs, rods), phi = |x_b - x_a| - rest, in the order the vector kernels read them.
 ///
-/// Rows with equal node offset b - a and consecutive a form *runs*: their batch reads and writes 8 consecutive nodes
-/// instead of gathering. Gaps in a run and the end of the gathered rest are filled with inactive slots (public_row -1, d = 0).
-/// Where x_a = x_b the direction is defined as 0: no force if rest = 0, a reported degenerate row otherwise.
+/// Rows with equal node offset b - a and consecutive a form *runs*: their batch reads and writes 8
+/// consecutive nodes instead of gathering. Gaps in a run and the end of the gathered rest are filled with
+/// inactive slots (public_row -1, d = 0). Where x_a = x_b the direction is defined as 0: no force if rest =
+/// 0, a reported degenerate row otherwise.
 struct DistanceRows {
   std::vector<int> a, b;             ///< nodes
   std::vector<double> rest;          ///< rest length [m]

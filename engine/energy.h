@@ -17,18 +17,21 @@ Vector3d linear_momentum(const System& system, const State& state);
 /// Sum of x cross m v about the origin [kg m^2/s].
 Vector3d angular_momentum(const System& system, const State& state);
 
-/// Where the energy of one step went. Every term is computed on its own route, so `imbalance` measures rounding (and for Newton the
-/// residual left), not the definition. Implicit Euler (design.md section 1): E = 1/2 v M v + U(rows),
-///   dE = dt f.v' + y.(J v') - dt^2 v'.Kg v' - 1/2 |v'-v|_M^2 + dU,   with f counting drag at v' and y = dt lambda.
-/// Explicit methods: the impulse terms are taken with the mean velocity (v + v')/2, `numerical` is 0, see each integrator.
+/// Where the energy of one step went. Every term is computed on its own route, so `imbalance` measures
+/// rounding (and for Newton the residual left), not the definition. Implicit Euler (design.md section 1): E =
+/// 1/2 v M v + U(rows),
+///   dE = dt f.v' + y.(J v') - dt^2 v'.Kg v' - 1/2 |v'-v|_M^2 + dU,   with f counting drag at v' and y = dt
+///   lambda.
+/// Explicit methods: the impulse terms are taken with the mean velocity (v + v')/2, `numerical` is 0, see
+/// each integrator.
 struct EnergyLedger {
-  double kinetic_change = 0.0;   ///< d(1/2 v M v)
-  double row_change = 0.0;       ///< dU of the finite rows
-  double external_work = 0.0;    ///< impulse of constant and user forces times velocity
-  double drag_work = 0.0;        ///< the same for drag, <= 0 for implicit methods
-  double row_work = 0.0;         ///< y.(J v'): what the rows gave to the velocities
-  double geometric_work = 0.0;   ///< -dt^2 v'.Kg v'
-  double numerical = 0.0;        ///< -1/2 |v'-v|_M^2, the numerical dissipation of implicit Euler
+  double kinetic_change = 0.0;  ///< d(1/2 v M v)
+  double row_change = 0.0;      ///< dU of the finite rows
+  double external_work = 0.0;   ///< impulse of constant and user forces times velocity
+  double drag_work = 0.0;       ///< the same for drag, <= 0 for implicit methods
+  double row_work = 0.0;        ///< y.(J v'): what the rows gave to the velocities
+  double geometric_work = 0.0;  ///< -dt^2 v'.Kg v'
+  double numerical = 0.0;       ///< -1/2 |v'-v|_M^2, the numerical dissipation of implicit Euler
 
   /// d(kinetic) minus its sources: 0 up to rounding.
   double imbalance() const {

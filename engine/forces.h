@@ -9,9 +9,9 @@ namespace feder {
 
 /// A force supplied by the user, f(t, q, v) [N], 3 per node, added into `force`.
 ///
-/// `stiffness`, if given, writes for each stencil the symmetric matrix -df/dq [N/m] over its nodes (3k x 3k, row-major,
-/// one after the other); the implicit integrators with geometric stiffness and the reference use it. `potential`, if given,
-/// lets the energies include it.
+/// `stiffness`, if given, writes for each stencil the symmetric matrix -df/dq [N/m] over its nodes (3k x 3k,
+/// row-major, one after the other); the implicit integrators with geometric stiffness and the reference use
+/// it. `potential`, if given, lets the energies include it.
 struct UserForce {
   std::function<void(double t, const VectorXd& q, const VectorXd& v, VectorXd& force)> force;
   std::function<void(double t, const VectorXd& q, const VectorXd& v, double* stiffness)> stiffness;

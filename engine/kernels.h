@@ -4,7 +4,8 @@
 
 namespace feder {
 
-/// Lanes of a batch: distance rows are stored in groups of this many, whatever the vector width of the machine.
+/// Lanes of a batch: distance rows are stored in groups of this many, whatever the vector width of the
+/// machine.
 inline constexpr int kBatch = 8;
 
 /// Raw view of the distance rows: no Eigen type crosses this border (design.md section 8).
@@ -18,8 +19,9 @@ struct DistanceView {
   int batches;
 };
 
-/// The operations worth wide instructions, behind raw pointers. On distance rows u points from a to b; J v = u.(v_b - v_a).
-/// `forces` and `evaluate` return the least squared length met [m^2] (0: coincident points, NaN: a bad state).
+/// The operations worth wide instructions, behind raw pointers. On distance rows u points from a to b; J v =
+/// u.(v_b - v_a). `forces` and `evaluate` return the least squared length met [m^2] (0: coincident points,
+/// NaN: a bad state).
 struct Kernels {
   const char* name;
   /// f += J^T lambda with lambda = -spring phi.
@@ -41,9 +43,10 @@ struct Kernels {
   void (*drift)(std::size_t n, double a, const double* v, const double* x, double* out);
   /// out = v + a w * f (out may be v).
   void (*kick)(std::size_t n, double a, const double* w, const double* f, const double* v, double* out);
-  /// out = a + s x * y + z (not stored if out is null), and the squared norms of a, x * y, z, out and y in sums[0..4].
-  void (*balance)(std::size_t n, const double* a, double s, const double* x, const double* y, const double* z, double* out,
-                  double* sums);
+  /// out = a + s x * y + z (not stored if out is null), and the squared norms of a, x * y, z, out and y in
+  /// sums[0..4].
+  void (*balance)(std::size_t n, const double* a, double s, const double* x, const double* y, const double* z,
+                  double* out, double* sums);
 };
 
 /// The plain loop, one row after the other: the reference for the others.

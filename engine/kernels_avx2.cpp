@@ -5,7 +5,9 @@
 
 namespace {
 constexpr int kLanes = 4;
-inline __m256d vector_sqrt(__m256d x) { return _mm256_sqrt_pd(x); }
+inline __m256d vector_sqrt(__m256d x) {
+  return _mm256_sqrt_pd(x);
+}
 }  // namespace
 
 #include "engine/kernels_vector.h"
@@ -31,8 +33,8 @@ inline Triple spread_by_threes(Vec x) {
 }  // namespace
 
 const Kernels& avx2_kernels() {
-  static const Kernels kernels{"avx2", plain_forces, damped_forces, evaluate, multiply, add_transpose,
-                               momentum, product, drift, kick, balance};
+  static const Kernels kernels{"avx2",   plain_forces, damped_forces, evaluate, multiply, add_transpose,
+                               momentum, product,      drift,         kick,     balance};
   return kernels;
 }
 

@@ -1,10 +1,11 @@
 // The reference loops, and the choice of kernels at run time.
+#include "engine/kernels_scalar.h"
+
 #include <cstddef>
 #include <cstring>
 #include <limits>
 
 #include "engine/kernels.h"
-#include "engine/kernels_scalar.h"
 
 namespace feder {
 namespace {
@@ -65,8 +66,8 @@ void kick(std::size_t n, double a, const double* w, const double* f, const doubl
   for (std::size_t i = 0; i < n; ++i) out[i] = v[i] + a * w[i] * f[i];
 }
 
-void balance(std::size_t n, const double* a, double s, const double* x, const double* y, const double* z, double* out,
-             double* sums) {
+void balance(std::size_t n, const double* a, double s, const double* x, const double* y, const double* z,
+             double* out, double* sums) {
   for (int j = 0; j < 5; ++j) sums[j] = 0.0;
   scalar_balance(0, n, a, s, x, y, z, out, sums);
 }
@@ -89,11 +90,13 @@ const Kernels*& selected() {
 
 const Kernels& scalar_kernels() {
   static const Kernels kernels{"scalar", plain_forces, damped_forces, evaluate, multiply, add_transpose,
-                               momentum, product, drift, kick, balance};
+                               momentum, product,      drift,         kick,     balance};
   return kernels;
 }
 
-const Kernels& kernels() { return *selected(); }
+const Kernels& kernels() {
+  return *selected();
+}
 
 bool select_kernels(const char* name) {
   const bool wide = std::strcmp(name, "avx512") == 0, middle = std::strcmp(name, "avx2") == 0;

@@ -1,5 +1,6 @@
-// Distance rows one after the other: the reference, and what the vector kernels do with batches that are no run.
-// Everything is in an unnamed namespace, because code compiled with wide instructions must not be merged by the linker.
+// Distance rows one after the other: the reference, and what the vector kernels do with batches that are no
+// run. Everything is in an unnamed namespace, because code compiled with wide instructions must not be merged
+// by the linker.
 #pragma once
 
 #include "engine/kernels.h"
@@ -21,11 +22,14 @@ inline Direction direction(const DistanceView& rows, int k, const double* q) {
   return d;
 }
 
-inline double least(double a, double b) { return b < a || b != b ? b : a; }  // NaN wins
+inline double least(double a, double b) {
+  return b < a || b != b ? b : a;
+}  // NaN wins
 
 // f += J^T lambda over rows [begin, end); returns the least squared length
 template <bool kDamped>
-double scalar_forces(const DistanceView& rows, int begin, int end, const double* q, const double* v, double* f) {
+double scalar_forces(const DistanceView& rows, int begin, int end, const double* q, const double* v,
+                     double* f) {
   double smallest = __builtin_inf();
   for (int k = begin; k < end; ++k) {
     const Direction d = direction(rows, k, q);
@@ -44,11 +48,12 @@ double scalar_forces(const DistanceView& rows, int begin, int end, const double*
 }
 
 // out = a + s x * y + z over [begin, end); adds the squared norms of a, x * y, z, out, y to sums
-inline void scalar_balance(std::size_t begin, std::size_t end, const double* a, double s, const double* x, const double* y,
-                           const double* z, double* out, double* sums) {
+inline void scalar_balance(std::size_t begin, std::size_t end, const double* a, double s, const double* x,
+                           const double* y, const double* z, double* out, double* sums) {
   for (std::size_t i = begin; i < end; ++i) {
     const double xy = x[i] * y[i], o = a[i] + s * xy + z[i];
-    sums[0] += a[i] * a[i], sums[1] += xy * xy, sums[2] += z[i] * z[i], sums[3] += o * o, sums[4] += y[i] * y[i];
+    sums[0] += a[i] * a[i], sums[1] += xy * xy, sums[2] += z[i] * z[i], sums[3] += o * o,
+        sums[4] += y[i] * y[i];
     if (out) out[i] = o;
   }
 }

@@ -1,9 +1,11 @@
-// Distance rows and array passes, W numbers at a time. Included by one source file per instruction set, which defines kLanes and the shuffles;
-// everything is in an unnamed namespace, because code compiled with wide instructions must not be merged by the linker.
+// Distance rows and array passes, W numbers at a time. Included by one source file per instruction set, which
+// defines kLanes and the shuffles; everything is in an unnamed namespace, because code compiled with wide
+// instructions must not be merged by the linker.
 //
-// Nodes are stored x y z x y z ... . For a run, 3 W consecutive numbers hold W nodes: the difference D = X_b - X_a is taken in that
-// order, squared, summed by threes into W squared lengths, and the W scales are spread back by threes: no transposition of q or f.
-// Gathered batches load node by node into the same layout and share the arithmetic.
+// Nodes are stored x y z x y z ... . For a run, 3 W consecutive numbers hold W nodes: the difference D = X_b
+// - X_a is taken in that order, squared, summed by threes into W squared lengths, and the W scales are spread
+// back by threes: no transposition of q or f. Gathered batches load node by node into the same layout and
+// share the arithmetic.
 #include "engine/kernels_scalar.h"
 
 namespace feder {
@@ -21,10 +23,16 @@ inline Vec load(const double* p) {
   __builtin_memcpy(&x, p, sizeof x);
   return x;
 }
-inline void store(double* p, Vec x) { __builtin_memcpy(p, &x, sizeof x); }
-inline Vec broadcast(double x) { return x - Vec{}; }
+inline void store(double* p, Vec x) {
+  __builtin_memcpy(p, &x, sizeof x);
+}
+inline Vec broadcast(double x) {
+  return x - Vec{};
+}
 
-inline Triple load3(const double* p) { return {{load(p), load(p + kLanes), load(p + 2 * kLanes)}}; }
+inline Triple load3(const double* p) {
+  return {{load(p), load(p + kLanes), load(p + 2 * kLanes)}};
+}
 inline void store3(double* p, const Triple& x) {
   for (int i = 0; i < 3; ++i) store(p + kLanes * i, x.part[i]);
 }
@@ -45,7 +53,9 @@ Vec sum_by_threes(const Triple& x);  // lane i: x[3i] + x[3i+1] + x[3i+2]
 Triple spread_by_threes(Vec x);      // element 3i+c: x[i]
 
 // lanes where `condition` holds take `yes`, others +0
-inline Vec keep(Bits condition, Vec yes) { return reinterpret_cast<Vec>(condition & reinterpret_cast<Bits>(yes)); }
+inline Vec keep(Bits condition, Vec yes) {
+  return reinterpret_cast<Vec>(condition & reinterpret_cast<Bits>(yes));
+}
 
 struct Length {
   Vec squared, length, inverse;
@@ -129,7 +139,9 @@ double forces(const DistanceView& rows, const double* q, const double* v, double
   return least(smallest_gathered, least_lane(smallest));
 }
 
-double plain_forces(const DistanceView& rows, const double* q, double* f) { return forces<false>(rows, q, nullptr, f); }
+double plain_forces(const DistanceView& rows, const double* q, double* f) {
+  return forces<false>(rows, q, nullptr, f);
+}
 
 double damped_forces(const DistanceView& rows, const double* q, const double* v, double* f) {
   return forces<true>(rows, q, v, f);
@@ -154,13 +166,15 @@ double evaluate(const DistanceView& rows, const double* q, double* u, double* le
 void multiply(const DistanceView& rows, const double* u, const double* v, double* out) {
   for (int batch = 0; batch < rows.batches; ++batch)
     for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes)
-      store(out + at, sum_by_threes(load3(u + 3 * static_cast<long>(at)) * difference(rows, rows.run[batch], at, v)));
+      store(out + at,
+            sum_by_threes(load3(u + 3 * static_cast<long>(at)) * difference(rows, rows.run[batch], at, v)));
 }
 
 void add_transpose(const DistanceView& rows, const double* u, const double* y, double* f) {
   for (int batch = 0; batch < rows.batches; ++batch)
     for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes)
-      apply(rows, rows.run[batch], at, spread_by_threes(load(y + at)) * load3(u + 3 * static_cast<long>(at)), f);
+      apply(rows, rows.run[batch], at, spread_by_threes(load(y + at)) * load3(u + 3 * static_cast<long>(at)),
+            f);
 }
 
 void product(std::size_t n, const double* x, const double* y, double* out) {
@@ -191,12 +205,13 @@ void kick(std::size_t n, double a, const double* w, const double* f, const doubl
   for (; i < n; ++i) out[i] = v[i] + a * w[i] * f[i];
 }
 
-void balance(std::size_t n, const double* a, double s, const double* x, const double* y, const double* z, double* out,
-             double* sums) {
+void balance(std::size_t n, const double* a, double s, const double* x, const double* y, const double* z,
+             double* out, double* sums) {
   Vec part[5] = {};
   std::size_t i = 0;
   for (; i + kLanes <= n; i += kLanes) {
-    const Vec ai = load(a + i), yi = load(y + i), xy = load(x + i) * yi, zi = load(z + i), o = ai + s * xy + zi;
+    const Vec ai = load(a + i), yi = load(y + i), xy = load(x + i) * yi, zi = load(z + i),
+              o = ai + s * xy + zi;
     part[0] += ai * ai, part[1] += xy * xy, part[2] += zi * zi, part[3] += o * o, part[4] += yi * yi;
     if (out) store(out + i, o);
   }

@@ -27,13 +27,15 @@ Status name_bad_distance(const System& s, const VectorXd& q) {
     if (!std::isfinite(length))
       return Status::failure(StatusCode::kNonFinite, s.row_name(k) + ": length is not finite");
     if (length == 0.0 && rows.rest[k] > 0.0)
-      return Status::failure(StatusCode::kSingular, s.row_name(k) + ": its points coincide, the direction is undefined");
+      return Status::failure(StatusCode::kSingular,
+                             s.row_name(k) + ": its points coincide, the direction is undefined");
   }
   return {};
 }
 
 Status degenerate(const System& s, const Stencil& stencil) {
-  return Status::failure(StatusCode::kSingular, s.row_name(stencil.first_row) + ": degenerate (an edge of length 0, or a" +
+  return Status::failure(StatusCode::kSingular, s.row_name(stencil.first_row) +
+                                                    ": degenerate (an edge of length 0, or a" +
                                                     " straight or folded angle)");
 }
 
@@ -51,17 +53,20 @@ Status add_row_forces(const System& s, const State& state, VectorXd& f) {
   Status status;
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
     if (!status.ok() || row.stiffness == 0.0) return;
-    constexpr int kRows = std::decay_t<decltype(row)>::kRows, kColumns = 3 * std::decay_t<decltype(row)>::kNodes;
+    constexpr int kRows = std::decay_t<decltype(row)>::kRows,
+                  kColumns = 3 * std::decay_t<decltype(row)>::kNodes;
     double phi[kRows], jacobian[kRows * kColumns];
     if (!row.evaluate(state.q.data(), phi, jacobian)) status = degenerate(s, stencil);
     for (int i = 0; i < kRows; ++i) {
       double lambda = -row.stiffness * phi[i];
       if constexpr (kDamped) {
         double rate = 0.0;
-        for (int c = 0; c < kColumns; ++c) rate += jacobian[kColumns * i + c] * state.v[3 * row.nodes[c / 3] + c % 3];
+        for (int c = 0; c < kColumns; ++c)
+          rate += jacobian[kColumns * i + c] * state.v[3 * row.nodes[c / 3] + c % 3];
         lambda -= row.stiffness * row.damping_time * rate;
       }
-      for (int c = 0; c < kColumns; ++c) f[3 * row.nodes[c / 3] + c % 3] += lambda * jacobian[kColumns * i + c];
+      for (int c = 0; c < kColumns; ++c)
+        f[3 * row.nodes[c / 3] + c % 3] += lambda * jacobian[kColumns * i + c];
     }
   });
   return status;
@@ -73,7 +78,8 @@ void evaluate_phi(const System& s, const VectorXd& q, VectorXd& phi) {
   phi.resize(s.rows);
   for (int k = 0; k < s.distance.size(); ++k)
     phi[k] = s.distance.active(k)
-                 ? (q.segment<3>(3 * s.distance.b[k]) - q.segment<3>(3 * s.distance.a[k])).norm() - s.distance.rest[k]
+                 ? (q.segment<3>(3 * s.distance.b[k]) - q.segment<3>(3 * s.distance.a[k])).norm() -
+                       s.distance.rest[k]
                  : 0.0;
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
     (void)row.evaluate(q.data(), phi.data() + stencil.first_row, nullptr);
@@ -143,8 +149,8 @@ void Kkt::set_step(double sigma, double rho) {
 Status Kkt::evaluate(const VectorXd& q, bool with_length) {
   const System& s = *system;
   if (s.distance.size() > 0) {
-    const double smallest =
-        kernels().evaluate(s.distance_view(), q.data(), u.data(), with_length ? length.data() : nullptr, phi.data());
+    const double smallest = kernels().evaluate(s.distance_view(), q.data(), u.data(),
+                                               with_length ? length.data() : nullptr, phi.data());
     if (!(smallest > 0.0))
       if (Status status = name_bad_distance(s, q); !status.ok()) return status;
     for (int k : inert_distance_) {
@@ -154,8 +160,8 @@ Status Kkt::evaluate(const VectorXd& q, bool with_length) {
   }
   Status status;
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
-    if (!row.evaluate(q.data(), phi.data() + stencil.first_row, jacobian.data() + stencil.jacobian) && status.ok() &&
-        row.stiffness > 0.0)
+    if (!row.evaluate(q.data(), phi.data() + stencil.first_row, jacobian.data() + stencil.jacobian) &&
+        status.ok() && row.stiffness > 0.0)
       status = degenerate(s, stencil);
   });
   for (int i : inert_stencil_) {
@@ -172,12 +178,14 @@ namespace {
 template <class Matrix>
 void clamp_to_semidefinite(Eigen::Ref<Matrix> m) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(m);
-  m = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+  m = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+      eigen.eigenvectors().transpose();
 }
 
 }  // namespace
 
-void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state, const VectorXd& lambda) {
+void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state,
+                                  const VectorXd& lambda) {
   const System& s = *system;
   geometric = kind != GeometricStiffness::kOff;
   if (!geometric) return;
@@ -234,7 +242,8 @@ void Kkt::add_jacobian_transpose(const VectorXd& y, VectorXd& out) const {
     const int* nodes = s.stencil_nodes.data() + stencil.first_node;
     const double* J = jacobian.data() + stencil.jacobian;
     for (int i = 0; i < stencil.rows; ++i)
-      for (int c = 0; c < 3 * stencil.nodes; ++c) out[3 * nodes[c / 3] + c % 3] += *J++ * y[stencil.first_row + i];
+      for (int c = 0; c < 3 * stencil.nodes; ++c)
+        out[3 * nodes[c / 3] + c % 3] += *J++ * y[stencil.first_row + i];
   }
 }
 
@@ -254,13 +263,17 @@ void Kkt::add_geometric(const VectorXd& v, VectorXd& out) const {
     for (int i = 0; i < stencil.nodes; ++i)
       for (int j = 0; j < stencil.nodes; ++j)
         for (int c = 0; c < 9; ++c)
-          out[3 * nodes[i] + c / 3] += K[(3 * i + c / 3) * 3 * stencil.nodes + 3 * j + c % 3] * v[3 * nodes[j] + c % 3];
+          out[3 * nodes[i] + c / 3] +=
+              K[(3 * i + c / 3) * 3 * stencil.nodes + 3 * j + c % 3] * v[3 * nodes[j] + c % 3];
   }
 }
 
-ResidualSize Kkt::residual_size(const VectorXd& v, const VectorXd& y) const { return residual(v, y, nullptr, nullptr); }
+ResidualSize Kkt::residual_size(const VectorXd& v, const VectorXd& y) const {
+  return residual(v, y, nullptr, nullptr);
+}
 
-ResidualSize Kkt::residual(const VectorXd& v, const VectorXd& y, VectorXd* residual_v, VectorXd* residual_y) const {
+ResidualSize Kkt::residual(const VectorXd& v, const VectorXd& y, VectorXd* residual_v,
+                           VectorXd* residual_y) const {
   const System& s = *system;
   if (residual_v) residual_v->resize(p.size());
   if (residual_y) residual_y->resize(r.size());
@@ -282,7 +295,8 @@ ResidualSize Kkt::residual(const VectorXd& v, const VectorXd& y, VectorXd* resid
   for (int i : s.masked) scratch_v_[i] = -p[i];
   kernel.balance(p.size(), p.data(), -1.0, mass.data(), v.data(), scratch_v_.data(),
                  residual_v ? residual_v->data() : nullptr, sums);
-  const double terms_v = std::sqrt(sums[0]) + std::sqrt(sums[1]) + geometric_terms, balance_v = std::sqrt(sums[2]);
+  const double terms_v = std::sqrt(sums[0]) + std::sqrt(sums[1]) + geometric_terms,
+               balance_v = std::sqrt(sums[2]);
   const double error_v = std::sqrt(sums[3]), size_v = std::sqrt(sums[4]);
 
   // second block row: r + gamma y + J v
@@ -296,10 +310,12 @@ ResidualSize Kkt::residual(const VectorXd& v, const VectorXd& y, VectorXd* resid
   double row_forces = 2.0 * sums[4];
   for (const Stencil& stencil : s.stencils)
     for (int i = 0; i < stencil.rows; ++i)
-      row_forces += jacobian.segment(stencil.jacobian + 3 * stencil.nodes * i, 3 * stencil.nodes).squaredNorm() *
-                    y[stencil.first_row + i] * y[stencil.first_row + i];
-  return {larger(relative(error_v, terms_v + std::sqrt(row_forces)), relative(error_y, terms_y + 2.0 * size_v)),
-          larger(relative(error_v, terms_v + balance_v), relative(error_y, terms_y + balance_y))};
+      row_forces +=
+          jacobian.segment(stencil.jacobian + 3 * stencil.nodes * i, 3 * stencil.nodes).squaredNorm() *
+          y[stencil.first_row + i] * y[stencil.first_row + i];
+  return {
+      larger(relative(error_v, terms_v + std::sqrt(row_forces)), relative(error_y, terms_y + 2.0 * size_v)),
+      larger(relative(error_v, terms_v + balance_v), relative(error_y, terms_y + balance_y))};
 }
 
 }  // namespace feder

@@ -12,10 +12,11 @@ enum class GeometricStiffness { kOff, kClamped, kFull };
 
 /// Size of a KKT residual, the larger of both block rows. NaN if anything is not finite.
 struct ResidualSize {
-  /// Backward error: against |p| + |Mt v| + |J||y| and |r| + |J||v| + |gamma y|. Rounding reaches about 1e-16.
+  /// Backward error: against |p| + |Mt v| + |J||y| and |r| + |J||v| + |gamma y|. Rounding reaches about
+  /// 1e-16.
   double backward_error = 0.0;
-  /// Against |p| + |Mt v| + |J^T y| and |r| + |J v| + |gamma y|: the terms as they act, after the multipliers have cancelled.
-  /// What the velocity sees; stricter where stiff rows carry self-stress.
+  /// Against |p| + |Mt v| + |J^T y| and |r| + |J v| + |gamma y|: the terms as they act, after the multipliers
+  /// have cancelled. What the velocity sees; stricter where stiff rows carry self-stress.
   double balance_error = 0.0;
 };
 
@@ -24,26 +25,26 @@ struct ResidualSize {
 ///     [ Mt   -J^T  ] [ v ]   [ p ]
 ///     [ -J  -gamma ] [ y ] = [ r ],     Mt = M + rho B + sigma Kg,   y = dt lambda,
 ///
-/// in parts, so that each route assembles what it needs. Vectors over coordinates have 3 entries per node (masked ones are not
-/// unknowns: v is 0 there); vectors over rows have System::rows entries. Rows that cannot push
-/// (d = 0; with sigma = 0 also b = 0) have J = 0, phi = 0, gamma = 1, so y = -r = 0.
-/// Sized once by `prepare`; refilled without allocation.
+/// in parts, so that each route assembles what it needs. Vectors over coordinates have 3 entries per node
+/// (masked ones are not unknowns: v is 0 there); vectors over rows have System::rows entries. Rows that
+/// cannot push (d = 0; with sigma = 0 also b = 0) have J = 0, phi = 0, gamma = 1, so y = -r = 0. Sized once
+/// by `prepare`; refilled without allocation.
 struct Kkt {
   const System* system = nullptr;
-  bool geometric = false;      ///< Mt has off-diagonal blocks
+  bool geometric = false;  ///< Mt has off-diagonal blocks
 
-  VectorXd mass;               ///< M + rho B, the diagonal [kg]; 1 where there is no mass
-  VectorXd inverse_mass;       ///< its inverse, 0 where masked [1/kg]
-  VectorXd gamma;              ///< 1 / (sigma d + rho b) >= 0, 0 for hard rows [1/kg for distance rows]
-  VectorXd inverse_gamma;      ///< 0 for hard rows (they have none) and inactive rows
+  VectorXd mass;           ///< M + rho B, the diagonal [kg]; 1 where there is no mass
+  VectorXd inverse_mass;   ///< its inverse, 0 where masked [1/kg]
+  VectorXd gamma;          ///< 1 / (sigma d + rho b) >= 0, 0 for hard rows [1/kg for distance rows]
+  VectorXd inverse_gamma;  ///< 0 for hard rows (they have none) and inactive rows
   VectorXd p, r;
 
-  VectorXd u;                  ///< distance rows: J is -u at a and +u at b, 3 per row
-  VectorXd length;             ///< distance rows: |x_b - x_a| [m]
-  VectorXd phi;                ///< all rows
-  VectorXd geometric_distance; ///< sigma Kg of a distance row is this times (E - u u^T) [kg]
-  VectorXd jacobian;           ///< stencil rows, see Stencil::jacobian
-  VectorXd geometric_stencil;  ///< sigma Kg of the stencils, see Stencil::matrix
+  VectorXd u;                   ///< distance rows: J is -u at a and +u at b, 3 per row
+  VectorXd length;              ///< distance rows: |x_b - x_a| [m]
+  VectorXd phi;                 ///< all rows
+  VectorXd geometric_distance;  ///< sigma Kg of a distance row is this times (E - u u^T) [kg]
+  VectorXd jacobian;            ///< stencil rows, see Stencil::jacobian
+  VectorXd geometric_stencil;   ///< sigma Kg of the stencils, see Stencil::matrix
 
   /// Allocates for a system; must be called before anything else.
   void prepare(const System& s);
@@ -51,10 +52,13 @@ struct Kkt {
   void set_step(double sigma, double rho);
   /// Changes whenever set_step changed gamma or Mt's diagonal: a key for what routes keep between steps.
   long step_serial() const { return step_serial_; }
-  /// phi, J (and nothing else) at q; `length` only if asked, as Kg needs it. Fails with the name of a degenerate row or of a non-finite value.
+  /// phi, J (and nothing else) at q; `length` only if asked, as Kg needs it. Fails with the name of a
+  /// degenerate row or of a non-finite value.
   Status evaluate(const VectorXd& q, bool with_length = true);
-  /// Fills sigma Kg at q for multipliers lambda (per row; the user force adds its stiffness). Call after evaluate.
-  void set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state, const VectorXd& lambda);
+  /// Fills sigma Kg at q for multipliers lambda (per row; the user force adds its stiffness). Call after
+  /// evaluate.
+  void set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state,
+                               const VectorXd& lambda);
 
   /// out = J v.
   void multiply_jacobian(const VectorXd& v, VectorXd& out) const;
@@ -63,7 +67,8 @@ struct Kkt {
   /// out += sigma Kg v.
   void add_geometric(const VectorXd& v, VectorXd& out) const;
   /// residual_v = p - Mt v + J^T y (0 where masked), residual_y = r + J v + gamma y, and how large they are.
-  ResidualSize residual(const VectorXd& v, const VectorXd& y, VectorXd* residual_v, VectorXd* residual_y) const;
+  ResidualSize residual(const VectorXd& v, const VectorXd& y, VectorXd* residual_v,
+                        VectorXd* residual_y) const;
   /// The size alone: nothing is stored.
   ResidualSize residual_size(const VectorXd& v, const VectorXd& y) const;
 
@@ -78,8 +83,9 @@ struct Kkt {
 /// phi of every row at q. Degenerate rows give 0.
 void evaluate_phi(const System& system, const VectorXd& q, VectorXd& phi);
 
-/// f = all forces at the state: constant, user, drag, and the finite rows J^T lambda. No matrix is touched. Masked coordinates
-/// get a value too; they carry no inverse mass. Fails by name on coincident points and non-finite values.
+/// f = all forces at the state: constant, user, drag, and the finite rows J^T lambda. No matrix is touched.
+/// Masked coordinates get a value too; they carry no inverse mass. Fails by name on coincident points and
+/// non-finite values.
 Status evaluate_forces(const System& system, const State& state, VectorXd& f);
 /// The same without drag and row damping: for methods that treat those implicitly.
 Status evaluate_undamped_forces(const System& system, const State& state, VectorXd& f);

@@ -27,7 +27,8 @@ struct State {
   VectorXd v;
 };
 
-/// What an integrator remembers between steps. Plain data: saved with the state, a resumed run is bitwise equal.
+/// What an integrator remembers between steps. Plain data: saved with the state, a resumed run is bitwise
+/// equal.
 struct History {
   VectorXd lambda;            ///< multipliers of the last step [row force], empty before the first
   VectorXd force;             ///< total force at (q, v, t) [N], 3 per node, empty if not known

@@ -39,12 +39,16 @@ std::string System::row_name(int row) const {
   return name;
 }
 
-std::string SystemBuilder::place(int node) const { return "node " + std::to_string(node); }
+std::string SystemBuilder::place(int node) const {
+  return "node " + std::to_string(node);
+}
 
-Anchor SystemBuilder::add_particle(double mass, const Vector3d& position, const Vector3d& velocity, FreeMask free) {
+Anchor SystemBuilder::add_particle(double mass, const Vector3d& position, const Vector3d& velocity,
+                                   FreeMask free) {
   const int node = static_cast<int>(nodes_.size());
   require_positive(place(node), "mass", mass, "kg");
-  if (!std::isfinite(1.0 / mass)) fail_input(place(node), "mass", mass, "kg", "a mass whose inverse is finite");
+  if (!std::isfinite(1.0 / mass))
+    fail_input(place(node), "mass", mass, "kg", "a mass whose inverse is finite");
   for (int c = 0; c < 3; ++c) {
     require_finite(place(node), "position", position[c], "m");
     require_finite(place(node), "velocity", velocity[c], "m/s");
@@ -73,7 +77,8 @@ void SystemBuilder::check_material(const std::string& where, const Material& mat
                                    bool may_be_rigid) const {
   const double d = material.stiffness;
   const bool rigid = d == std::numeric_limits<double>::infinity();
-  if (rigid && !may_be_rigid) fail_input(where, "stiffness", d, unit, "a finite value: this row type has no rigid form");
+  if (rigid && !may_be_rigid)
+    fail_input(where, "stiffness", d, unit, "a finite value: this row type has no rigid form");
   if (!rigid) require_non_negative(where, "stiffness", d, unit);
   require_non_negative(where, "damping time", material.damping_time, "s");
 }
@@ -102,7 +107,8 @@ namespace {
 // Stencils of the row types and of the user force, with their places in the Jacobian and matrix pools.
 void lay_out_stencils(System& s) {
   auto append = [&](const int* nodes, int count, int rows) {
-    s.stencils.push_back({s.rows, rows, static_cast<int>(s.stencil_nodes.size()), count, s.jacobian_size, s.matrix_size});
+    s.stencils.push_back(
+        {s.rows, rows, static_cast<int>(s.stencil_nodes.size()), count, s.jacobian_size, s.matrix_size});
     s.stencil_nodes.insert(s.stencil_nodes.end(), nodes, nodes + count);
     s.jacobian_size += rows * 3 * count;
     s.matrix_size += 9 * count * count;

@@ -14,26 +14,27 @@
 
 namespace feder {
 
-/// THE LIST of row types beside distance rows. A type has kNodes, kRows, kName, nodes, stiffness, damping_time,
-/// evaluate() and hessian() (see CurvatureRow); adding one is its file pair and its name here.
+/// THE LIST of row types beside distance rows. A type has kNodes, kRows, kName, nodes, stiffness,
+/// damping_time, evaluate() and hessian() (see CurvatureRow); adding one is its file pair and its name here.
 template <class... Type>
 using RowLists = std::tuple<std::vector<Type>...>;
 using StencilRows = RowLists<CurvatureRow, AngleRow>;
 
-/// A dense block of the step matrix over a few nodes: the rows of one stencil row element, or (rows = 0) the stiffness of
-/// a user force.
+/// A dense block of the step matrix over a few nodes: the rows of one stencil row element, or (rows = 0) the
+/// stiffness of a user force.
 struct Stencil {
-  int first_row = 0;     ///< in row order
-  int rows = 0;          ///< scalar rows
-  int first_node = 0;    ///< into System::stencil_nodes
-  int nodes = 0;         ///< number of nodes
-  int jacobian = 0;      ///< offset of its rows x 3 nodes Jacobian, row-major
-  int matrix = 0;        ///< offset of its symmetric 3 nodes x 3 nodes matrix
+  int first_row = 0;   ///< in row order
+  int rows = 0;        ///< scalar rows
+  int first_node = 0;  ///< into System::stencil_nodes
+  int nodes = 0;       ///< number of nodes
+  int jacobian = 0;    ///< offset of its rows x 3 nodes Jacobian, row-major
+  int matrix = 0;      ///< offset of its symmetric 3 nodes x 3 nodes matrix
 };
 
 /// What a mechanical system IS; constant during a run. Built by SystemBuilder.
 ///
-/// Rows are numbered: distance slots (padding included), then the scalar rows of each stencil row type in list order.
+/// Rows are numbered: distance slots (padding included), then the scalar rows of each stencil row type in
+/// list order.
 struct System {
   int nodes = 0;          ///< particles and world points
   int free_count = 0;     ///< free coordinates n
@@ -49,13 +50,13 @@ struct System {
   std::vector<int> stencil_nodes;
   int jacobian_size = 0, matrix_size = 0;
 
-  int rows = 0;                      ///< m, slots included
-  int active_rows = 0;               ///< rows that can push
-  VectorXd stiffness;                ///< d per row; 0 for inactive slots
-  VectorXd damping_time;             ///< tau per row [s]
-  std::vector<int> row_of_id;        ///< public row id -> first row
-  bool has_hard_rows = false;        ///< some d = inf
-  bool has_damping = false;          ///< some b > 0
+  int rows = 0;                        ///< m, slots included
+  int active_rows = 0;                 ///< rows that can push
+  VectorXd stiffness;                  ///< d per row; 0 for inactive slots
+  VectorXd damping_time;               ///< tau per row [s]
+  std::vector<int> row_of_id;          ///< public row id -> first row
+  bool has_hard_rows = false;          ///< some d = inf
+  bool has_damping = false;            ///< some b > 0
   std::vector<int> inactive_distance;  ///< distance slots with d = 0: no pull, no pattern
 
   Forces forces;
@@ -71,7 +72,8 @@ struct Material {
   double damping_time = 0.0;  ///< [s]
 };
 
-/// Collects nodes, rows and forces, checks every number (InputError names the place), and builds System and State.
+/// Collects nodes, rows and forces, checks every number (InputError names the place), and builds System and
+/// State.
 class SystemBuilder {
  public:
   /// mass [kg] > 0; position [m]; velocity [m/s] must be 0 where masked.
@@ -98,7 +100,8 @@ class SystemBuilder {
  private:
   std::string place(int node) const;
   int require_node(Anchor anchor, const std::string& where) const;
-  void check_material(const std::string& where, const Material& material, const char* unit, bool may_be_rigid) const;
+  void check_material(const std::string& where, const Material& material, const char* unit,
+                      bool may_be_rigid) const;
 
   struct Node {
     double mass;

@@ -7,7 +7,8 @@ namespace feder {
 /// q' = q + dt v, v' = v + dt M^-1 f(q, v, t) (notes B1).
 class ExplicitEuler {
  public:
-  static constexpr IntegratorInfo kInfo{"explicit_euler", 1, false, false, "right-hand side once per step; gains energy on undamped springs"};
+  static constexpr IntegratorInfo kInfo{"explicit_euler", 1, false, false,
+                                        "right-hand side once per step; gains energy on undamped springs"};
   static std::string refusal(const System& system) { return refuse_hard_rows(system, kInfo.name); }
 
   ExplicitEuler(const System& system, const IntegratorOptions&) : system_(&system) {}

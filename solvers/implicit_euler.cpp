@@ -39,7 +39,7 @@ Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, cons
     // lambda at q_n: springs from phi, hard rows from the last step
     lambda_.resize(s.rows);
     for (int k = 0; k < s.rows; ++k)
-      lambda_[k] = std::isfinite(s.stiffness[k])            ? -s.stiffness[k] * kkt_.phi[k]
+      lambda_[k] = std::isfinite(s.stiffness[k])             ? -s.stiffness[k] * kkt_.phi[k]
                    : history.lambda.size() == lambda_.size() ? history.lambda[k]
                                                              : 0.0;
     at_ = state;
@@ -67,8 +67,13 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
     VectorXd Jv, Kv = VectorXd::Zero(v_.size());
     kkt_.multiply_jacobian(v_, Jv);
     kkt_.add_geometric(v_, Kv);
-    *ledger = {-kinetic_energy(s, state), -row_energy(s, state), impulse.dot(v_), dt * drag.dot(v_), y_.dot(Jv),
-               -Kv.dot(v_), -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
+    *ledger = {-kinetic_energy(s, state),
+               -row_energy(s, state),
+               impulse.dot(v_),
+               dt * drag.dot(v_),
+               y_.dot(Jv),
+               -Kv.dot(v_),
+               -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
   }
   {
     const Stopwatch watch(times_.update);

@@ -1,17 +1,22 @@
 // Unknowns v' and y = dt lambda. With q' = q_n + dt v':
 //   G = M (v' - v_n) + dt B v' - dt f_ext - J(q')^T y = 0
-//   g = gamma y + phi(q')/dt - tau phi(q_n) / (dt (dt + tau)) = 0       (soft rows: solved for y, so g = 0 always)
+//   g = gamma y + phi(q')/dt - tau phi(q_n) / (dt (dt + tau)) = 0       (soft rows: solved for y, so g = 0
+//   always)
 // Newton: [Mt, -J^T; -J, -gamma] (dv, dy) = (-G, g),  Mt = M + dt B + dt^2 Kg(y/dt).  Phi's gradient is G.
-// Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v'; what Newton left of G shows as imbalance.
+// Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v'; what Newton left of G shows as
+// imbalance.
 #include "solvers/implicit_euler_newton.h"
 
 #include <cmath>
 
 namespace feder {
 namespace {
-constexpr double kArmijo = 1e-4;          // required fraction of the predicted decrease
-constexpr double kRounding = 1e-13;       // changes of the merit below this fraction of its terms are noise
-constexpr double kStalledButGood = 1e-9;  // residual at which a Newton that no longer contracts has reached rounding
+constexpr double kArmijo = 1e-4;     // required fraction of the predicted decrease
+constexpr double kRounding = 1e-13;  // changes of the merit below this fraction of its terms are noise
+constexpr double kNear =
+    1e-6;  // residual below which the merit is mostly rounding: the residual itself decides
+constexpr double kStalledButGood =
+    1e-9;  // residual at which a Newton that no longer contracts has reached rounding
 constexpr int kMostCuts = 30;
 }  // namespace
 
@@ -48,7 +53,9 @@ Status ImplicitEulerNewton::evaluate(double dt, const State& start, Iterate& at)
                        dt * external_.norm() + rows.norm();
   const double row_scale = at.state.v.norm() + at.state.q.norm() / dt;
   at.relative = (scale > 0.0 ? at.residual.norm() / scale : 0.0) + at.g.norm() / row_scale;
-  return std::isfinite(at.relative) ? Status{} : Status::failure(StatusCode::kNonFinite, "Newton residual is not finite");
+  return std::isfinite(at.relative)
+             ? Status{}
+             : Status::failure(StatusCode::kNonFinite, "Newton residual is not finite");
 }
 
 Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
@@ -80,14 +87,25 @@ double ImplicitEulerNewton::merit(double dt, const State& start, const Iterate& 
       rows += s.stiffness[k] / dt * ((dt + tau) * 0.5 * phi * phi - tau * phi_start_[k] * phi);
   }
   // a user force without a potential is frozen at the current iterate: the slope there is still right
-  const double external = s.forces.user && s.forces.user.potential
-                              ? s.forces.user.potential(at.state.t, at.state.q) - s.forces.constant.dot(at.state.q - start.q)
-                              : -frozen_force_.dot(at.state.q - start.q);
+  const double external =
+      s.forces.user && s.forces.user.potential
+          ? s.forces.user.potential(at.state.t, at.state.q) - s.forces.constant.dot(at.state.q - start.q)
+          : -frozen_force_.dot(at.state.q - start.q);
   magnitude = inertia + drag + std::abs(rows) + penalty + std::abs(external);
   return inertia + drag + rows + penalty + external;
 }
 
 Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& at) {
+  if (at.relative <= kNear) {
+    trial_.state.v = at.state.v + dv_;
+    trial_.y = at.y + dy_;
+    if (Status status = evaluate(dt, start, trial_); !status.ok()) return status;
+    if (trial_.relative < at.relative) {
+      std::swap(at, trial_);
+      return {};
+    }
+    return evaluate(dt, start, at);  // no better: stay, with the rows as they are there
+  }
   // slope of Phi + penalty along (dv, dy): G.dv on soft rows; the penalty falls by its linearised violation
   frozen_force_ = external_;
   double slope = at.residual.dot(dv_), hard = 0.0, largest = 0.0;
@@ -120,7 +138,8 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
     }
     ++counts_.line_search_cuts;
   }
-  return Status::failure(StatusCode::kNotConverged, "line search found no decrease of the incremental potential");
+  return Status::failure(StatusCode::kNotConverged,
+                         "line search found no decrease of the incremental potential");
 }
 
 Status ImplicitEulerNewton::step(double dt, State& state, History& history, EnergyLedger* ledger) {
@@ -140,7 +159,8 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
     if (Status status = solve_direction(dt, at_); !status.ok()) return status;
     if (Status status = line_search(dt, state, at_); !status.ok()) return status;
     ++counts_.newton_iterations;
-    converged = at_.relative <= options_.newton_tolerance || (at_.relative <= kStalledButGood && at_.relative > 0.25 * before);
+    converged = at_.relative <= options_.newton_tolerance ||
+                (at_.relative <= kStalledButGood && at_.relative > 0.25 * before);
   }
   if (!converged)
     return Status::failure(StatusCode::kNotConverged,
@@ -154,13 +174,19 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   return {};
 }
 
-void ImplicitEulerNewton::keep_books(double dt, const State& start, const Iterate& end, EnergyLedger& ledger) const {
+void ImplicitEulerNewton::keep_books(double dt, const State& start, const Iterate& end,
+                                     EnergyLedger& ledger) const {
   const System& s = *system_;
   const VectorXd &v = end.state.v, dv = v - start.v, drag = -s.forces.drag.cwiseProduct(v);
   VectorXd Jv;
   kkt_.multiply_jacobian(v, Jv);
-  ledger = {kinetic_energy(s, end.state) - kinetic_energy(s, start), row_energy(s, end.state) - row_energy(s, start),
-            dt * external_.dot(v), dt * drag.dot(v), end.y.dot(Jv), 0.0, -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
+  ledger = {kinetic_energy(s, end.state) - kinetic_energy(s, start),
+            row_energy(s, end.state) - row_energy(s, start),
+            dt * external_.dot(v),
+            dt * drag.dot(v),
+            end.y.dot(Jv),
+            0.0,
+            -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
 }
 
 }  // namespace feder

@@ -7,11 +7,13 @@ namespace feder {
 /// Implicit Euler solved to convergence: full Newton with line search on the incremental potential
 ///   Phi(v) = 1/2 |v - v_n|_M^2 + dt/2 v.B v + sum_k W_k(phi_k(q')) + P(q'),   q' = q_n + dt v,
 ///   W = 1/dt (d (dt + tau) phi'^2 / 2 - d tau phi_n phi'),   P = potential of the external forces,
-/// plus mu |phi| on hard rows (exact penalty). Kg is full; where that matrix is not positive definite, clamped (counted).
+/// plus mu |phi| on hard rows (exact penalty). Kg is full; where that matrix is not positive definite,
+/// clamped (counted).
 class ImplicitEulerNewton {
  public:
-  static constexpr IntegratorInfo kInfo{"implicit_euler_newton", 1, true, false,
-                                        "Newton to convergence with full geometric stiffness and line search"};
+  static constexpr IntegratorInfo kInfo{
+      "implicit_euler_newton", 1, true, false,
+      "Newton to convergence with full geometric stiffness and line search"};
   static std::string refusal(const System&) { return {}; }
 
   ImplicitEulerNewton(const System& system, const IntegratorOptions& options)
@@ -23,10 +25,10 @@ class ImplicitEulerNewton {
 
  private:
   struct Iterate {
-    State state;              // t_next, q', v'
-    VectorXd phi, y;          // rows at q', y = dt lambda
-    VectorXd residual, g;     // of the momentum balance and of the rows
-    double relative = 0.0;    // |residual| against its terms, and |g| likewise
+    State state;            // t_next, q', v'
+    VectorXd phi, y;        // rows at q', y = dt lambda
+    VectorXd residual, g;   // of the momentum balance and of the rows
+    double relative = 0.0;  // |residual| against its terms, and |g| likewise
   };
   Status evaluate(double dt, const State& start, Iterate& at);
   Status solve_direction(double dt, const Iterate& at);

@@ -20,9 +20,9 @@ struct IntegratorOptions {
 /// What an integrator tells about itself.
 struct IntegratorInfo {
   const char* name;
-  int order;        ///< of the position error at a fixed time
+  int order;  ///< of the position error at a fixed time
   bool implicit;
-  bool symplectic;  ///< on undamped scenes
+  bool symmetric;  ///< its own adjoint: the error has even powers of dt only; symplectic without damping
   const char* summary;
 };
 
@@ -46,10 +46,11 @@ struct StepTimes {
 ///   T(const System&, const IntegratorOptions&);           keeps a pointer to the system
 ///   Status prepare();                                     analysis, once
 ///   Status step(double dt, State&, History&, EnergyLedger*);
-/// A step starts at state.t and adds dt to it; on failure state and history are as before, bitwise. `ledger` may be null.
+/// A step starts at state.t and adds dt to it; on failure state and history are as before, bitwise. `ledger`
+/// may be null.
 template <class T>
-concept IntegratorType = requires(T integrator, const System& system, const IntegratorOptions& options, State& state,
-                                  History& history, EnergyLedger* ledger) {
+concept IntegratorType = requires(T integrator, const System& system, const IntegratorOptions& options,
+                                  State& state, History& history, EnergyLedger* ledger) {
   T(system, options);
   { T::kInfo.name } -> std::convertible_to<const char*>;
   { T::refusal(system) } -> std::convertible_to<std::string>;

@@ -13,22 +13,26 @@
 
 namespace feder {
 
-/// THE LIST of time integrators. Adding one is its file pair and its name here; tests and experiments pick it up.
-using Integrator =
-    std::variant<ExplicitEuler, Leapfrog, Rk4, ImplicitEulerNotes, ImplicitEulerGeometric, ImplicitEulerNewton>;
+/// THE LIST of time integrators. Adding one is its file pair and its name here; tests and experiments pick it
+/// up.
+using Integrator = std::variant<ExplicitEuler, Leapfrog, Rk4, ImplicitEulerNotes, ImplicitEulerGeometric,
+                                ImplicitEulerNewton>;
 
 /// Calls visit.template operator()<T>() for every integrator type, in list order.
 template <class Visit>
 void for_each_integrator(Visit&& visit) {
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     (visit.template operator()<std::variant_alternative_t<I, Integrator>>(), ...);
-  }(std::make_index_sequence<std::variant_size_v<Integrator>>{});
+  }
+  (std::make_index_sequence<std::variant_size_v<Integrator>>{});
 }
 
 std::vector<IntegratorInfo> integrator_list();
 
-/// By name; throws InputError listing the names if there is none like it. The system must outlive the integrator.
-Integrator make_integrator(const std::string& name, const System& system, const IntegratorOptions& options = {});
+/// By name; throws InputError listing the names if there is none like it. The system must outlive the
+/// integrator.
+Integrator make_integrator(const std::string& name, const System& system,
+                           const IntegratorOptions& options = {});
 
 const IntegratorInfo& info(const Integrator& integrator);
 /// Empty if the integrator admits the scene, otherwise the reason, naming the row.

@@ -1,12 +1,14 @@
-// Leapfrog with velocity-implicit second kick. History::force holds F(q, v) of the last step's end: the next first kick needs no
-// new evaluation. With C = B + J^T b J the second kick is (M + dt/2 C) v' = M v+ + dt/2 F0(q'), F0 without damping.
+// Leapfrog with velocity-implicit second kick. History::force holds F(q, v) of the last step's end: the next
+// first kick needs no new evaluation. With C = B + J^T b J the second kick is (M + dt/2 C) v' = M v+ + dt/2
+// F0(q'), F0 without damping.
 #include "solvers/leapfrog.h"
 
 #include "solvers/impulse_ledger.h"
 
 namespace feder {
 
-Leapfrog::Leapfrog(const System& system, const IntegratorOptions& options) : system_(&system), options_(options) {}
+Leapfrog::Leapfrog(const System& system, const IntegratorOptions& options)
+    : system_(&system), options_(options) {}
 
 Status Leapfrog::prepare() {
   damping_.reset();

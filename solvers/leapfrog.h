@@ -7,11 +7,13 @@
 namespace feder {
 
 /// Kick-drift-kick (notes B3): v+ = v + dt/2 M^-1 F(q, v),  q' = q + dt v+,  v' = v+ + dt/2 M^-1 F(q', v').
-/// The second kick is implicit in v: a division with drag, one linear solve with row damping (the step matrix with sigma = 0,
-/// rho = dt/2), nothing otherwise. Stable up to omega dt = 2 whatever the damping; symplectic without it.
+/// The second kick is implicit in v: a division with drag, one linear solve with row damping (the step matrix
+/// with sigma = 0, rho = dt/2), nothing otherwise. Stable up to omega dt = 2 whatever the damping; symplectic
+/// without it.
 class Leapfrog {
  public:
-  static constexpr IntegratorInfo kInfo{"leapfrog", 2, false, true, "one right-hand side per step; symplectic without damping"};
+  static constexpr IntegratorInfo kInfo{"leapfrog", 2, false, true,
+                                        "one right-hand side per step; symplectic without damping"};
   static std::string refusal(const System& system) { return refuse_hard_rows(system, kInfo.name); }
 
   Leapfrog(const System& system, const IntegratorOptions& options);

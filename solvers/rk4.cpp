@@ -1,5 +1,6 @@
 // Stages k_i = (v_i, M^-1 f_i) at (q, v) + a_i dt k_(i-1), a = 0, 1/2, 1/2, 1; weights 1/6, 1/3, 1/3, 1/6.
-// Its ledger: v' - v = sum_i b_i dt M^-1 f_i is a sum of kicks, each with the mean velocity (v + v')/2 of the whole step.
+// Its ledger: v' - v = sum_i b_i dt M^-1 f_i is a sum of kicks, each with the mean velocity (v + v')/2 of the
+// whole step.
 #include "solvers/rk4.h"
 
 #include "solvers/impulse_ledger.h"

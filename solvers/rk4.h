@@ -6,7 +6,8 @@
 
 namespace feder {
 
-/// The classical Runge-Kutta method of order 4 on (q, v) (notes B3). Stable on the imaginary axis up to omega dt = 2 sqrt 2.
+/// The classical Runge-Kutta method of order 4 on (q, v) (notes B3). Stable on the imaginary axis up to omega
+/// dt = 2 sqrt 2.
 class Rk4 {
  public:
   static constexpr IntegratorInfo kInfo{"rk4", 4, false, false, "four right-hand sides per step; order 4"};

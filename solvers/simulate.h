@@ -9,10 +9,10 @@
 namespace feder {
 
 struct RunOptions {
-  double dt = 0.0;        ///< step [s]
-  double end_time = 0.0;  ///< [s], later than the state's time
-  double max_seconds = 0.0;     ///< wall-clock budget [s], 0: none
-  double divergence = 1e6;      ///< stop when kinetic energy exceeds this many times the scene's own energy scale
+  double dt = 0.0;           ///< step [s]
+  double end_time = 0.0;     ///< [s], later than the state's time
+  double max_seconds = 0.0;  ///< wall-clock budget [s], 0: none
+  double divergence = 1e6;  ///< stop when kinetic energy exceeds this many times the scene's own energy scale
   std::vector<EnergyLedger>* ledgers = nullptr;  ///< one per step if not null
   /// Called after every step; false ends the run with kInterrupted.
   std::function<bool(const State&, const History&)> observer = {};
@@ -24,23 +24,26 @@ struct RunResult {
   double seconds = 0.0;  ///< of the step loop alone
 };
 
-/// Number of steps of length dt from t0 to end; the last may be shorter. Throws InputError for dt that is not finite and > 0,
-/// longer than the interval, or so small that steps exceed 2^53.
+/// Number of steps of length dt from t0 to end; the last may be shorter. Throws InputError for dt that is not
+/// finite and > 0, longer than the interval, or so small that steps exceed 2^53.
 std::int64_t step_count(double t0, double end, double dt);
 
-/// Runs from state.t to options.end_time with fixed steps. Times are t0 + n dt in one rounding; the last step lands on the end
-/// exactly. The run ends at the first failure, with its status and the last good state.
+/// Runs from state.t to options.end_time with fixed steps. Times are t0 + n dt in one rounding; the last step
+/// lands on the end exactly. The run ends at the first failure, with its status and the last good state.
 /// Divergence is looked for every 8 steps. Prepares (analyses) the integrator first.
-RunResult simulate(const System& system, Integrator& integrator, State& state, History& history, const RunOptions& options);
+RunResult simulate(const System& system, Integrator& integrator, State& state, History& history,
+                   const RunOptions& options);
 
 /// Step-size control by step doubling (notes B4) over any integrator.
 struct AdaptiveOptions {
-  double tolerance = 1e-6;       ///< local error per step in mass-weighted rms position [m]
-  double first_dt = 1e-3;        ///< [s]
-  double least_dt = 1e-12;       ///< below: kStepTooSmall [s]
-  double end_time = 0.0;         ///< [s]
-  /// Advance with y + (y_2half - y_full)/(2^p - 1), one order higher: the global error is then proportional to the
-  /// tolerance. Refused with hard rows, which extrapolation would violate.
+  double tolerance = 1e-6;  ///< of the estimate below [m]; the error at the end is proportional to it
+  double first_dt = 1e-3;   ///< [s]
+  double least_dt = 1e-12;  ///< below: kStepTooSmall [s]
+  double end_time = 0.0;    ///< [s]
+  /// On: the error per step is held at the tolerance and the run advances with y + (y_2half - y_full)/(2^p -
+  /// 1), one order higher. Refused with hard rows, which extrapolation would violate. Off, and for symmetric
+  /// methods (where extrapolation gains two orders): the error per unit of the run's length is held at the
+  /// tolerance.
   bool extrapolate = true;
   std::int64_t most_steps = 100'000'000;
   std::function<bool(const State&, double dt, double error)> observer = {};  ///< after every accepted step
@@ -56,8 +59,8 @@ struct AdaptiveResult {
 AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, State& state, History& history,
                                  const AdaptiveOptions& options);
 
-/// Estimate of the local error after one full and two half steps of a method of order p: |y_2half - y_full| / (2^p - 1), in
-/// mass-weighted rms of position and dt times velocity [m].
+/// Estimate of the local error after one full and two half steps of a method of order p: |y_2half - y_full| /
+/// (2^p - 1), in mass-weighted rms of position and dt times velocity [m].
 double doubling_error(const System& system, const State& full, const State& halves, double dt, int order);
 
 }  // namespace feder

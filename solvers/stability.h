@@ -47,6 +47,14 @@ struct StabilityLimit {
 /// stiffness grow in the exact solution too and do not count.
 double largest_frequency(const System& system, const State& state);
 
+/// Upper bound [1/s] on |s| over all roots of the linearised system: (c + sqrt(c^2 + 4 omega^2))/2 with the
+/// largest eigenvalue c of M^-1/2 C M^-1/2 and omega = largest_frequency; omega without damping. RK4 is
+/// stable for dt below kRk4Radius times its inverse.
+double largest_rate(const System& system, const State& state);
+/// Least distance from 0 to the border of RK4's stability region in the left half plane (2.6156, at 122.7
+/// degrees).
+inline constexpr double kRk4Radius = 2.615;
+
 /// Explicit Euler and RK4 need the whole damped spectrum. Modal where the damping diagonalises with the
 /// stiffness (drag proportional to mass; one damping time and no stress); otherwise eigenvalues of the dense
 /// companion matrix up to kLargestDenseSize free coordinates and NaN beyond.

@@ -9,9 +9,11 @@
 namespace feder {
 namespace {
 
-// METIS is tried above this many predicted flops: below, AMD's cheaper ordering always won (measured on cloth and lattice).
+// METIS is tried above this many predicted flops: below, AMD's cheaper ordering always won (measured on cloth
+// and lattice).
 constexpr double kTryMetisAbove = 1e8;
-// Without fill (flops per factor entry below this) simplicial code and natural orders can win; CHOLMOD's own switch.
+// Without fill (flops per factor entry below this) simplicial code and natural orders can win; CHOLMOD's own
+// switch.
 constexpr double kNoFill = 40.0;
 
 // One CHOLMOD workspace with the settings every use here shares: silent, one ordering method, no fallback.
@@ -47,10 +49,14 @@ cholmod_sparse view(const SymmetricPattern& p, const double* values) {
 
 Status cholmod_status(int status) {
   switch (status) {
-    case CHOLMOD_OK: return {};
-    case CHOLMOD_OUT_OF_MEMORY: return Status::failure(StatusCode::kOutOfMemory, "CHOLMOD: out of memory");
-    case CHOLMOD_TOO_LARGE: return Status::failure(StatusCode::kOutOfMemory, "CHOLMOD: problem too large for 32-bit indices");
-    default: return Status::failure(StatusCode::kSingular, "CHOLMOD: status " + std::to_string(status));
+    case CHOLMOD_OK:
+      return {};
+    case CHOLMOD_OUT_OF_MEMORY:
+      return Status::failure(StatusCode::kOutOfMemory, "CHOLMOD: out of memory");
+    case CHOLMOD_TOO_LARGE:
+      return Status::failure(StatusCode::kOutOfMemory, "CHOLMOD: problem too large for 32-bit indices");
+    default:
+      return Status::failure(StatusCode::kSingular, "CHOLMOD: status " + std::to_string(status));
   }
 }
 
@@ -139,11 +145,21 @@ Status CholmodFactor::analyze(SymmetricPattern lower, Kind kind) {
   return data_->analyze() ? Status{} : cholmod_status(c.status);
 }
 
-const SymmetricPattern& CholmodFactor::pattern() const { return data_->pattern; }
-bool CholmodFactor::supernodal() const { return data_->L->is_super; }
-double CholmodFactor::flops() const { return data_->flops; }
-double CholmodFactor::factor_entries() const { return data_->entries; }
-int CholmodFactor::failed_column() const { return data_->failed; }
+const SymmetricPattern& CholmodFactor::pattern() const {
+  return data_->pattern;
+}
+bool CholmodFactor::supernodal() const {
+  return data_->L->is_super;
+}
+double CholmodFactor::flops() const {
+  return data_->flops;
+}
+double CholmodFactor::factor_entries() const {
+  return data_->entries;
+}
+int CholmodFactor::failed_column() const {
+  return data_->failed;
+}
 
 Status CholmodFactor::factor(const double* values) {
   cholmod_common& c = data_->workspace.common;
@@ -153,7 +169,8 @@ Status CholmodFactor::factor(const double* values) {
   if (c.status < CHOLMOD_OK) return cholmod_status(c.status);
   if (c.status == CHOLMOD_NOT_POSDEF || data_->L->minor < data_->L->n) {
     data_->failed = static_cast<int>(data_->L->minor);
-    return Status::failure(StatusCode::kSingular, "pivot " + std::to_string(data_->failed) + " is not positive");
+    return Status::failure(StatusCode::kSingular,
+                           "pivot " + std::to_string(data_->failed) + " is not positive");
   }
   return {};
 }
@@ -165,11 +182,14 @@ void CholmodFactor::solve(const double* b, double* x) {
   rhs.x = const_cast<double*>(b);
   rhs.xtype = CHOLMOD_REAL;
   rhs.dtype = CHOLMOD_DOUBLE;
-  cholmod_solve2(CHOLMOD_A, data_->L, &rhs, nullptr, &data_->X, nullptr, &data_->Y, &data_->E, &data_->workspace.common);
+  cholmod_solve2(CHOLMOD_A, data_->L, &rhs, nullptr, &data_->X, nullptr, &data_->Y, &data_->E,
+                 &data_->workspace.common);
   std::memcpy(x, data_->X->x, sizeof(double) * rhs.nrow);
 }
 
-double CholmodFactor::rcond() const { return cholmod_rcond(data_->L, &data_->workspace.common); }
+double CholmodFactor::rcond() const {
+  return cholmod_rcond(data_->L, &data_->workspace.common);
+}
 
 CholmodFactor::Signs CholmodFactor::pivot_signs() const {
   Signs signs;

@@ -16,15 +16,15 @@ struct Ordering {
   double flops = 0.0;  ///< of the factorisation of the graph's own matrix (one unknown per vertex)
 };
 
-/// Natural order where it makes no more work than AMD (chains), AMD otherwise, METIS where the work is large enough that
-/// it may win (volumes, sheets above about 200 x 200; limits measured, the choice is by predicted flops of both).
-/// `edges` are pairs of vertices; `unknowns` per vertex scales the predicted work.
+/// Natural order where it makes no more work than AMD (chains), AMD otherwise, METIS where the work is large
+/// enough that it may win (volumes, sheets above about 200 x 200; limits measured, the choice is by predicted
+/// flops of both). `edges` are pairs of vertices; `unknowns` per vertex scales the predicted work.
 Ordering fill_reducing_order(int vertices, const std::vector<std::pair<int, int>>& edges, int unknowns);
 
 /// A sparse Cholesky factorisation of CHOLMOD with fixed pattern, in the order the matrix is given in.
-/// LL^T for positive definite matrices (supernodal or simplicial by predicted fill), simplicial LDL^T without pivoting for
-/// quasi-definite ones. CHOLMOD reports an exactly zero or (LL^T) negative pivot; a NaN passes unnoticed, so callers check their
-/// residual. CHOLMOD's own headers stay in the source file.
+/// LL^T for positive definite matrices (supernodal or simplicial by predicted fill), simplicial LDL^T without
+/// pivoting for quasi-definite ones. CHOLMOD reports an exactly zero or (LL^T) negative pivot; a NaN passes
+/// unnoticed, so callers check their residual. CHOLMOD's own headers stay in the source file.
 class CholmodFactor {
  public:
   enum class Kind { kLlt, kLdlt };
@@ -34,12 +34,12 @@ class CholmodFactor {
   CholmodFactor& operator=(CholmodFactor&&) noexcept;
   ~CholmodFactor();
 
-  /// Symbolic analysis of a lower pattern. Keeps the pattern in the storage the chosen factorisation reads without a copy:
-  /// read it back through `pattern()` before computing slots.
+  /// Symbolic analysis of a lower pattern. Keeps the pattern in the storage the chosen factorisation reads
+  /// without a copy: read it back through `pattern()` before computing slots.
   Status analyze(SymmetricPattern lower, Kind kind);
   const SymmetricPattern& pattern() const;
   bool supernodal() const;
-  double flops() const;         ///< predicted, one factorisation
+  double flops() const;  ///< predicted, one factorisation
   double factor_entries() const;
 
   /// values in the order of pattern(). On failure failed_column() tells where.

@@ -8,8 +8,8 @@ namespace feder {
 std::string DenseReference::refusal(const System& s, bool) {
   const int size = s.free_count + s.active_rows;
   return size <= kMostUnknowns ? ""
-                               : "dense route takes at most " + std::to_string(kMostUnknowns) + " unknowns, the scene has " +
-                                     std::to_string(size);
+                               : "dense route takes at most " + std::to_string(kMostUnknowns) +
+                                     " unknowns, the scene has " + std::to_string(size);
 }
 
 Status DenseReference::analyze(const System& s, bool) {
@@ -36,7 +36,8 @@ void DenseReference::assemble(const Kkt& kkt) {
     kkt.add_geometric(v, Mv);
     for (Eigen::Index i = 0; i < n; ++i) matrix_(i, j) = Mv[coordinate_[i]];
     for (std::size_t k = 0; k < row_.size(); ++k)
-      matrix_(n + static_cast<Eigen::Index>(k), j) = matrix_(j, n + static_cast<Eigen::Index>(k)) = -Jv[row_[k]];
+      matrix_(n + static_cast<Eigen::Index>(k), j) = matrix_(j, n + static_cast<Eigen::Index>(k)) =
+          -Jv[row_[k]];
     v[coordinate_[j]] = 0.0;
   }
   for (std::size_t k = 0; k < row_.size(); ++k) {
@@ -46,11 +47,12 @@ void DenseReference::assemble(const Kkt& kkt) {
 }
 
 Status DenseReference::factor(const Kkt&) {
-  if (!matrix_.allFinite()) return Status::failure(StatusCode::kNonFinite, "KKT matrix has a non-finite entry");
+  if (!matrix_.allFinite())
+    return Status::failure(StatusCode::kNonFinite, "KKT matrix has a non-finite entry");
   lu_.compute(matrix_);
   if (!lu_.isInvertible())
-    return Status::failure(StatusCode::kSingular, "KKT matrix has rank " + std::to_string(lu_.rank()) + " of " +
-                                                      std::to_string(matrix_.rows()));
+    return Status::failure(StatusCode::kSingular, "KKT matrix has rank " + std::to_string(lu_.rank()) +
+                                                      " of " + std::to_string(matrix_.rows()));
   return {};
 }
 
@@ -61,7 +63,9 @@ void DenseReference::reduce(const Kkt&, const VectorXd& b1, const VectorXd& b2) 
   for (std::size_t k = 0; k < row_.size(); ++k) rhs_[n + static_cast<Eigen::Index>(k)] = b2[row_[k]];
 }
 
-void DenseReference::substitute() { rhs_ = lu_.solve(rhs_).eval(); }
+void DenseReference::substitute() {
+  rhs_ = lu_.solve(rhs_).eval();
+}
 
 void DenseReference::expand(const Kkt&, const VectorXd&, const VectorXd&, VectorXd& v, VectorXd& y) {
   const Eigen::Index n = static_cast<Eigen::Index>(coordinate_.size());
@@ -76,10 +80,13 @@ double DenseReference::flops() const {
   return 2.0 / 3.0 * size * size * size;
 }
 
-double DenseReference::rcond() const { return lu_.rcond(); }
+double DenseReference::rcond() const {
+  return lu_.rcond();
+}
 
 Inertia DenseReference::inertia() const {
-  const VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix_, Eigen::EigenvaluesOnly).eigenvalues();
+  const VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix_, Eigen::EigenvaluesOnly).eigenvalues();
   Inertia out;
   for (double e : eigenvalues) ++(e > 0.0 ? out.positive : e < 0.0 ? out.negative : out.zero);
   return out;

@@ -9,8 +9,8 @@
 
 namespace feder {
 
-/// The KKT matrix written out densely and solved with complete pivoting: the judge of the other routes in tests.
-/// Refuses more than kMostUnknowns unknowns.
+/// The KKT matrix written out densely and solved with complete pivoting: the judge of the other routes in
+/// tests. Refuses more than kMostUnknowns unknowns.
 class DenseReference {
  public:
   static constexpr const char* kName = "dense";

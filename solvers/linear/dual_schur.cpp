@@ -21,7 +21,8 @@ Status DualSchur::analyze(const System& s, bool) {
       active.push_back(k);
     }
   std::vector<std::vector<int>> at_node(s.nodes);
-  for (std::size_t i = 0; i < incidences_.size(); ++i) at_node[incidences_[i].node].push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < incidences_.size(); ++i)
+    at_node[incidences_[i].node].push_back(static_cast<int>(i));
   std::vector<std::pair<int, int>> edges;
   for (const std::vector<int>& here : at_node)
     for (std::size_t i = 0; i < here.size(); ++i)
@@ -36,7 +37,8 @@ Status DualSchur::analyze(const System& s, bool) {
     row_.push_back(active[v]);
   }
   for (auto& [i, j] : edges) i = unknown[active[i]], j = unknown[active[j]];
-  if (Status status = factor_.analyze(make_pattern(static_cast<int>(row_.size()), std::move(edges)), CholmodFactor::Kind::kLlt);
+  if (Status status = factor_.analyze(make_pattern(static_cast<int>(row_.size()), std::move(edges)),
+                                      CholmodFactor::Kind::kLlt);
       !status.ok())
     return status;
 
@@ -127,7 +129,8 @@ void DualSchur::expand(const Kkt& kkt, const VectorXd& b1, const VectorXd&, Vect
 }
 
 std::string DualSchur::description() const {
-  return std::string(!row_.empty() && factor_.supernodal() ? "supernodal" : "simplicial") + " LL^T, " + ordering_ + " order";
+  return std::string(!row_.empty() && factor_.supernodal() ? "supernodal" : "simplicial") + " LL^T, " +
+         ordering_ + " order";
 }
 
 }  // namespace feder

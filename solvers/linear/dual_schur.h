@@ -10,8 +10,8 @@
 
 namespace feder {
 
-/// Dual Schur complement S = J Mt^-1 J^T + gamma (positive definite if every row is soft or J has full row rank), one unknown per
-/// active row, by CHOLMOD LL^T.
+/// Dual Schur complement S = J Mt^-1 J^T + gamma (positive definite if every row is soft or J has full row
+/// rank), one unknown per active row, by CHOLMOD LL^T.
 ///   y = -S^-1 (b2 + J Mt^-1 b1),   v = Mt^-1 (b1 + J^T y)
 /// Admits infinite stiffness; Mt must be block diagonal, so Kg is refused.
 class DualSchur {
@@ -50,11 +50,11 @@ class DualSchur {
 
   const System* system_ = nullptr;
   std::string ordering_;
-  std::vector<int> row_;             // row of each unknown
+  std::vector<int> row_;  // row of each unknown
   std::vector<Diagonal> diagonal_;
   std::vector<Pair> pairs_;
-  std::vector<Product> mixed_;       // left and right index incidences_
-  long step_serial_ = -1;            // of the Kkt that diagonal_ and pairs_ hold the weights of
+  std::vector<Product> mixed_;  // left and right index incidences_
+  long step_serial_ = -1;       // of the Kkt that diagonal_ and pairs_ hold the weights of
   std::vector<Incidence> incidences_;
   CholmodFactor factor_;
   std::vector<double> values_, rhs_;

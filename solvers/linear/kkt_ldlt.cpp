@@ -73,7 +73,8 @@ Status KktLdlt::analyze(const System& s, bool geometric) {
           entries.emplace_back(unknown[3 * i + e / 3], unknown[3 * i + e % 3]);
   }
   const int size = static_cast<int>(source_.size());
-  if (Status status = factor_.analyze(make_pattern(size, std::move(entries)), CholmodFactor::Kind::kLdlt); !status.ok())
+  if (Status status = factor_.analyze(make_pattern(size, std::move(entries)), CholmodFactor::Kind::kLdlt);
+      !status.ok())
     return status;
 
   const SymmetricPattern& pattern = factor_.pattern();
@@ -98,12 +99,14 @@ void KktLdlt::assemble(const Kkt& kkt) {
   if (geometric_)
     blocks_.add(kkt, false, values_);
   else
-    for (std::size_t i = 0; i < mass_entry_.size(); ++i) values_[mass_entry_[i]] = kkt.mass[mass_coordinate_[i]];
+    for (std::size_t i = 0; i < mass_entry_.size(); ++i)
+      values_[mass_entry_[i]] = kkt.mass[mass_coordinate_[i]];
   for (std::size_t i = 0; i < gamma_entry_.size(); ++i) values_[gamma_entry_[i]] = -kkt.gamma[gamma_row_[i]];
   for (std::size_t i = 0; i < incidences_.size(); ++i) {
     const double* block = incidences_[i].block(kkt.u.data(), kkt.jacobian.data());
     for (int c = 0; c < 3; ++c)
-      if (jacobian_entry_[i].place[c] >= 0) values_[jacobian_entry_[i].place[c]] = -incidences_[i].sign * block[c];
+      if (jacobian_entry_[i].place[c] >= 0)
+        values_[jacobian_entry_[i].place[c]] = -incidences_[i].sign * block[c];
   }
 }
 
@@ -121,15 +124,19 @@ Status KktLdlt::factor(const Kkt&) {
 }
 
 void KktLdlt::reduce(const Kkt&, const VectorXd& b1, const VectorXd& b2) {
-  for (std::size_t i = 0; i < source_.size(); ++i) rhs_[i] = source_[i] < 0 ? b2[-1 - source_[i]] : b1[source_[i]];
+  for (std::size_t i = 0; i < source_.size(); ++i)
+    rhs_[i] = source_[i] < 0 ? b2[-1 - source_[i]] : b1[source_[i]];
 }
 
-void KktLdlt::substitute() { factor_.solve(rhs_.data(), rhs_.data()); }
+void KktLdlt::substitute() {
+  factor_.solve(rhs_.data(), rhs_.data());
+}
 
 void KktLdlt::expand(const Kkt&, const VectorXd&, const VectorXd&, VectorXd& v, VectorXd& y) {
   v.setZero(3 * system_->nodes);
   y.setZero(system_->rows);
-  for (std::size_t i = 0; i < source_.size(); ++i) (source_[i] < 0 ? y[-1 - source_[i]] : v[source_[i]]) = rhs_[i];
+  for (std::size_t i = 0; i < source_.size(); ++i)
+    (source_[i] < 0 ? y[-1 - source_[i]] : v[source_[i]]) = rhs_[i];
 }
 
 }  // namespace feder

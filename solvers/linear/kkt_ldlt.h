@@ -11,9 +11,10 @@
 
 namespace feder {
 
-/// The whole KKT matrix by CHOLMOD's simplicial LDL^T. It does not pivot, so the order carries the accuracy: nodes in a
-/// fill-reducing order, each soft row directly before its first node (fill of the primal route), each hard row directly after its
-/// last one, where its pivot is -(J S^-1 J^T) and not 0. Admits every stiffness, c = 0 included, and Kg.
+/// The whole KKT matrix by CHOLMOD's simplicial LDL^T. It does not pivot, so the order carries the accuracy:
+/// nodes in a fill-reducing order, each soft row directly before its first node (fill of the primal route),
+/// each hard row directly after its last one, where its pivot is -(J S^-1 J^T) and not 0. Admits every
+/// stiffness, c = 0 included, and Kg.
 class KktLdlt {
  public:
   static constexpr const char* kName = "kkt";

@@ -10,7 +10,8 @@
 namespace feder {
 namespace {
 
-// Rows per unknown up to which the dual route is taken without asking: measured, it wins at every size for m <= n.
+// Rows per unknown up to which the dual route is taken without asking: measured, it wins at every size for m
+// <= n.
 constexpr double kDualRowsPerUnknown = 1.0;
 
 // Calls visit with a fresh object of each route type, in list order.
@@ -37,7 +38,8 @@ std::vector<std::string> route_names() {
   return names;
 }
 
-LinearSolver::LinearSolver(std::string route, const SolveOptions& options) : wanted_(std::move(route)), options_(options) {
+LinearSolver::LinearSolver(std::string route, const SolveOptions& options)
+    : wanted_(std::move(route)), options_(options) {
   std::string known = "auto";
   bool found = wanted_ == known;
   for (const std::string& name : route_names()) {
@@ -63,13 +65,16 @@ Status LinearSolver::analyze_named(const System& system, bool geometric, const s
 
 // Dual for m <= n; otherwise the fewest predicted flops of primal and dual; kkt where both refuse.
 Status LinearSolver::choose(const System& system, bool geometric) {
-  const std::string sizes = std::to_string(system.active_rows) + " rows, " + std::to_string(system.free_count) + " unknowns";
-  const std::string no_dual = DualSchur::refusal(system, geometric), no_primal = PrimalSchur::refusal(system, geometric);
+  const std::string sizes =
+      std::to_string(system.active_rows) + " rows, " + std::to_string(system.free_count) + " unknowns";
+  const std::string no_dual = DualSchur::refusal(system, geometric),
+                    no_primal = PrimalSchur::refusal(system, geometric);
   if (!no_dual.empty() && !no_primal.empty()) {
     reason_ = "kkt: " + no_dual + "; " + no_primal;
     return analyze_named(system, geometric, KktLdlt::kName);
   }
-  if (no_dual.empty() && (!no_primal.empty() || system.active_rows <= kDualRowsPerUnknown * system.free_count)) {
+  if (no_dual.empty() &&
+      (!no_primal.empty() || system.active_rows <= kDualRowsPerUnknown * system.free_count)) {
     reason_ = "dual: " + (no_primal.empty() ? sizes : no_primal);
     return analyze_named(system, geometric, DualSchur::kName);
   }
@@ -122,11 +127,14 @@ SolveReport LinearSolver::solve(const Kkt& kkt, VectorXd& v, VectorXd& y) {
           const Stopwatch watch(times_.residual);
           size = kkt.residual_size(v, y);
         }
-        // K d = residual, x += d, as long as it helps by a factor of 2
+        // K d = residual, x += d, as long as it halves one of the two errors
         const Stopwatch watch(times_.refine);
         bool helps = true;
-        if (size.balance_error > options_.refine_above) size = kkt.residual(v, y, &residual_v_, &residual_y_);
-        while (helps && size.balance_error > options_.refine_above && report.refinements < options_.most_refinements) {
+        auto too_large = [&] {
+          return size.balance_error > options_.refine_above || size.backward_error > options_.refine_above;
+        };
+        if (too_large()) size = kkt.residual(v, y, &residual_v_, &residual_y_);
+        while (helps && too_large() && report.refinements < options_.most_refinements) {
           const ResidualSize before = size;
           route.reduce(kkt, residual_v_, residual_y_);
           route.substitute();
@@ -136,8 +144,10 @@ SolveReport LinearSolver::solve(const Kkt& kkt, VectorXd& v, VectorXd& y) {
           size = kkt.residual(v, y, &residual_v_, &residual_y_);
           ++report.refinements;
           ++times_.refinements;
-          helps = size.balance_error < 0.5 * before.balance_error;
-          if (!(size.balance_error < before.balance_error)) {  // no better: take the correction back
+          helps = size.balance_error < 0.5 * before.balance_error ||
+                  size.backward_error < 0.5 * before.backward_error;
+          if (!helps &&
+              !(size.balance_error < before.balance_error)) {  // no better: take the correction back
             v -= correction_v_;
             y -= correction_y_;
             size = before;
@@ -152,15 +162,18 @@ SolveReport LinearSolver::solve(const Kkt& kkt, VectorXd& v, VectorXd& y) {
 
   const System& s = *kkt.system;
   if (!std::isfinite(report.balance_error))
-    report.status = Status::failure(StatusCode::kNonFinite, "the solve by the " + route_name() + " route is not finite");
+    report.status =
+        Status::failure(StatusCode::kNonFinite, "the solve by the " + route_name() + " route is not finite");
   else if (report.inertia.positive != s.free_count || report.inertia.negative != s.active_rows)
     report.status = Status::failure(
-        StatusCode::kSingular, "inertia (" + std::to_string(report.inertia.positive) + ", " +
-                                   std::to_string(report.inertia.negative) + ", " + std::to_string(report.inertia.zero) +
-                                   "), expected (" + std::to_string(s.free_count) + ", " + std::to_string(s.active_rows) + ", 0)");
+        StatusCode::kSingular,
+        "inertia (" + std::to_string(report.inertia.positive) + ", " +
+            std::to_string(report.inertia.negative) + ", " + std::to_string(report.inertia.zero) +
+            "), expected (" + std::to_string(s.free_count) + ", " + std::to_string(s.active_rows) + ", 0)");
   else if (report.backward_error > options_.accept_below)
-    report.status = Status::failure(StatusCode::kSingular, "backward error " + scientific(report.backward_error) + " of the " +
-                                                               route_name() + " route exceeds " + scientific(options_.accept_below));
+    report.status = Status::failure(StatusCode::kSingular,
+                                    "backward error " + scientific(report.backward_error) + " of the " +
+                                        route_name() + " route exceeds " + scientific(options_.accept_below));
   return report;
 }
 

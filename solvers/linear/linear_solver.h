@@ -10,7 +10,7 @@ namespace feder {
 
 /// Limits of a solve. Errors as in ResidualSize: always those of the unreduced KKT system.
 struct SolveOptions {
-  double refine_above = 1e-12;  ///< refine while the balance error exceeds this and refinement halves it
+  double refine_above = 1e-12;  ///< refine while an error exceeds this and refinement halves one
   double accept_below = 1e-11;  ///< backward error above which the solve has failed
   int most_refinements = 10;
   bool estimate_condition = false;  ///< fill SolveReport::rcond
@@ -44,7 +44,8 @@ class LinearSolver {
   /// "kkt", "primal", "dual", "dense" or "auto". Throws InputError for any other name.
   explicit LinearSolver(std::string route = "auto", const SolveOptions& options = {});
 
-  /// Chooses (for "auto") and analyses. kRefused, with the reason, if the named route does not admit the scene.
+  /// Chooses (for "auto") and analyses. kRefused, with the reason, if the named route does not admit the
+  /// scene.
   Status analyze(const System& system, bool geometric);
   Status factor(const Kkt& kkt);
   SolveReport solve(const Kkt& kkt, VectorXd& v, VectorXd& y);

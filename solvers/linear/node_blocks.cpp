@@ -1,5 +1,6 @@
-// A distance row adds H = (w - g) u u^T + g E at (a,a) and (b,b) and -H at (a,b), with w = 1/gamma and g its geometric coefficient.
-// The diagonal blocks are summed in a compact array and written once; the off-diagonal ones go straight to their place.
+// A distance row adds H = (w - g) u u^T + g E at (a,a) and (b,b) and -H at (a,b), with w = 1/gamma and g its
+// geometric coefficient. The diagonal blocks are summed in a compact array and written once; the off-diagonal
+// ones go straight to their place.
 #include "solvers/linear/node_blocks.h"
 
 #include <algorithm>
@@ -30,7 +31,8 @@ void NodeBlocks::analyze(const System& s, const std::vector<int>& unknown, const
   diagonal_entry_.assign(6 * s.nodes, -1);
   for (int i = 0; i < s.nodes; ++i)
     for (int r = 0, at = 6 * i; r < 3; ++r)
-      for (int c = r; c < 3; ++c, ++at) diagonal_entry_[at] = pattern.slot(unknown[3 * i + r], unknown[3 * i + c]);
+      for (int c = r; c < 3; ++c, ++at)
+        diagonal_entry_[at] = pattern.slot(unknown[3 * i + r], unknown[3 * i + c]);
 
   for (int k = 0; k < s.distance.size(); ++k) {
     if (!s.distance.active(k)) continue;
@@ -44,7 +46,8 @@ void NodeBlocks::analyze(const System& s, const std::vector<int>& unknown, const
     } else {
       PartRow part{k, a, b, {}};
       for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) part.entry[3 * r + c] = pattern.slot(unknown[3 * a + r], unknown[3 * b + c]);
+        for (int c = 0; c < 3; ++c)
+          part.entry[3 * r + c] = pattern.slot(unknown[3 * a + r], unknown[3 * b + c]);
       part_.push_back(part);
     }
   }
@@ -72,7 +75,8 @@ void NodeBlocks::add(const Kkt& kkt, bool with_rows, std::vector<double>& values
     const Symmetric3 h = row_block(u + 3 * row.row, w, g);
     add6(diagonal_.data() + 6 * row.a, h);
     add6(diagonal_.data() + 6 * row.b, h);
-    double *x = values.data() + row.column[0], *y = values.data() + row.column[1], *z = values.data() + row.column[2];
+    double *x = values.data() + row.column[0], *y = values.data() + row.column[1],
+           *z = values.data() + row.column[2];
     x[0] -= h.xx, x[1] -= h.xy, x[2] -= h.xz;
     y[0] -= h.xy, y[1] -= h.yy, y[2] -= h.yz;
     z[0] -= h.xz, z[1] -= h.yz, z[2] -= h.zz;

@@ -12,7 +12,8 @@ struct Inertia {
   int positive = 0, negative = 0, zero = 0;
 };
 
-/// Numbering of the free coordinates by an order of their nodes: coordinate of each unknown, and unknown of each coordinate
+/// Numbering of the free coordinates by an order of their nodes: coordinate of each unknown, and unknown of
+/// each coordinate
 /// (-1 if masked).
 struct Numbering {
   std::vector<int> coordinate, unknown;

@@ -8,7 +8,8 @@ namespace feder {
 
 int SymmetricPattern::slot(int i, int j) const {
   if (i < 0 || j < 0) return -1;
-  const int column = upper ? std::max(i, j) : std::min(i, j), wanted = upper ? std::min(i, j) : std::max(i, j);
+  const int column = upper ? std::max(i, j) : std::min(i, j),
+            wanted = upper ? std::min(i, j) : std::max(i, j);
   const auto begin = row.begin() + column_start[column], end = row.begin() + column_start[column + 1];
   const auto found = std::lower_bound(begin, end, wanted);
   FEDER_CHECK(found != end && *found == wanted, "entry outside the analysed pattern");

@@ -32,7 +32,9 @@ struct Incidence {
   bool distance;
   double sign;
 
-  const double* block(const double* u, const double* jacobian) const { return (distance ? u : jacobian) + offset; }
+  const double* block(const double* u, const double* jacobian) const {
+    return (distance ? u : jacobian) + offset;
+  }
 };
 
 /// All blocks of active rows at nodes with a free coordinate, ordered by row.

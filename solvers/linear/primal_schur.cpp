@@ -8,7 +8,8 @@ namespace feder {
 std::string PrimalSchur::refusal(const System& system, bool) {
   if (!system.has_hard_rows) return {};
   for (int k = 0; k < system.rows; ++k)
-    if (std::isinf(system.stiffness[k])) return "primal route needs finite stiffness: " + system.row_name(k) + " is rigid";
+    if (std::isinf(system.stiffness[k]))
+      return "primal route needs finite stiffness: " + system.row_name(k) + " is rigid";
   return {};
 }
 
@@ -28,7 +29,8 @@ Status PrimalSchur::analyze(const System& system, bool) {
     for (std::size_t l = k + 1; l < coordinate_.size() && coordinate_[l] / 3 == coordinate_[k] / 3; ++l)
       entries.emplace_back(static_cast<int>(l), static_cast<int>(k));
 
-  if (Status status = factor_.analyze(make_pattern(system.free_count, std::move(entries)), CholmodFactor::Kind::kLlt);
+  if (Status status =
+          factor_.analyze(make_pattern(system.free_count, std::move(entries)), CholmodFactor::Kind::kLlt);
       !status.ok())
     return status;
   blocks_.analyze(system, numbering.unknown, factor_.pattern());
@@ -47,8 +49,10 @@ void PrimalSchur::assemble(const Kkt& kkt) {
 Status PrimalSchur::factor(const Kkt&) {
   Status status = factor_.factor(values_.data());
   if (status.code == StatusCode::kSingular && factor_.failed_column() >= 0) {
-    const int coordinate = coordinate_[std::min<std::size_t>(factor_.failed_column(), coordinate_.size() - 1)];
-    status.reason = "primal Schur complement is not positive definite at node " + std::to_string(coordinate / 3);
+    const int coordinate =
+        coordinate_[std::min<std::size_t>(factor_.failed_column(), coordinate_.size() - 1)];
+    status.reason =
+        "primal Schur complement is not positive definite at node " + std::to_string(coordinate / 3);
   }
   return status;
 }
@@ -61,7 +65,9 @@ void PrimalSchur::reduce(const Kkt& kkt, const VectorXd& b1, const VectorXd& b2)
   for (std::size_t i = 0; i < coordinate_.size(); ++i) rhs_[i] = scratch_v_[coordinate_[i]];
 }
 
-void PrimalSchur::substitute() { factor_.solve(rhs_.data(), rhs_.data()); }
+void PrimalSchur::substitute() {
+  factor_.solve(rhs_.data(), rhs_.data());
+}
 
 void PrimalSchur::expand(const Kkt& kkt, const VectorXd&, const VectorXd& b2, VectorXd& v, VectorXd& y) {
   v.setZero(3 * system_->nodes);

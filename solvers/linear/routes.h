@@ -9,9 +9,9 @@
 
 namespace feder {
 
-/// THE LIST of routes through the one matrix. A route has kName, refusal(), analyze(), assemble(), factor(), the three
-/// parts of a solve (reduce to its own unknowns, substitute through the factor, expand to v and y), flops(), description(),
-/// rcond() and inertia(); adding one is its file pair and its name here.
+/// THE LIST of routes through the one matrix. A route has kName, refusal(), analyze(), assemble(), factor(),
+/// the three parts of a solve (reduce to its own unknowns, substitute through the factor, expand to v and y),
+/// flops(), description(), rcond() and inertia(); adding one is its file pair and its name here.
 using Route = std::variant<KktLdlt, PrimalSchur, DualSchur, DenseReference>;
 
 }  // namespace feder

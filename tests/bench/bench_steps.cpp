@@ -1,6 +1,7 @@
-// What a step costs around the factorisation: phases timed inside the same steps, one thread, medians, beside a bare CHOLMOD
-// factor + solve of the same matrix in the same run, and beside the figures published for the peers (ms per step, dt = 1/60 s).
-// Then whole leapfrog steps in spring evaluations per second, the project's scalar kernel against its widest.
+// What a step costs around the factorisation: phases timed inside the same steps, one thread, medians, beside
+// a bare CHOLMOD factor + solve of the same matrix in the same run, and beside the figures published for the
+// peers (ms per step, dt = 1/60 s). Then whole leapfrog steps in spring evaluations per second, the project's
+// scalar kernel against its widest.
 #include <cholmod.h>
 
 #include <algorithm>
@@ -116,14 +117,16 @@ void measure_phases(const Case& c, Model model) {
   }
   std::sort(ratio.begin(), ratio.end());
   const double r = median(around) / median(alone);
-  std::printf("%-10s %-24s %-7s %8.3f %8.3f %6.3f [%5.3f %5.3f] %s%-5s %6.3f %8.3f |%6.1f%6.1f%6.1f%6.1f%6.1f | %ld refined | %s\n",
-              c.scene, Step::kInfo.name, integrator.solver().route_name().c_str(), 1e3 * median(whole), 1e3 * median(alone), r,
-              ratio[ratio.size() / 4], ratio[3 * ratio.size() / 4], c.goal > 0.0 ? "<=" : "  ",
-              c.goal > 0.0 ? std::to_string(c.goal).substr(0, 4).c_str() : "-", median(factor_solve) / median(alone),
-              1e3 * median(refine), 100 * median(shares[0]) / median(alone), 100 * median(shares[1]) / median(alone),
-              100 * median(shares[2]) / median(alone), 100 * median(shares[3]) / median(alone),
-              100 * median(shares[4]) / median(alone), integrator.solver().times().refinements,
-              status.ok() ? c.peer : status.reason.c_str());
+  std::printf(
+      "%-10s %-24s %-7s %8.3f %8.3f %6.3f [%5.3f %5.3f] %s%-5s %6.3f %8.3f |%6.1f%6.1f%6.1f%6.1f%6.1f | %ld "
+      "refined | %s\n",
+      c.scene, Step::kInfo.name, integrator.solver().route_name().c_str(), 1e3 * median(whole),
+      1e3 * median(alone), r, ratio[ratio.size() / 4], ratio[3 * ratio.size() / 4],
+      c.goal > 0.0 ? "<=" : "  ", c.goal > 0.0 ? std::to_string(c.goal).substr(0, 4).c_str() : "-",
+      median(factor_solve) / median(alone), 1e3 * median(refine), 100 * median(shares[0]) / median(alone),
+      100 * median(shares[1]) / median(alone), 100 * median(shares[2]) / median(alone),
+      100 * median(shares[3]) / median(alone), 100 * median(shares[4]) / median(alone),
+      integrator.solver().times().refinements, status.ok() ? c.peer : status.reason.c_str());
 }
 
 // Whole leapfrog steps with the kernels of that name: springs per second, best of several.
@@ -148,38 +151,44 @@ double springs_per_second(const Model& model, const char* kernel_name, double dt
 
 void run() {
   set_threads(1);
-  std::printf("BLAS: %s\n\nImplicit Euler, ms per step and shares in %% of bare CHOLMOD (factor + solve)\n", blas_name().c_str());
-  std::printf("%-10s %-24s %-7s %8s %8s %6s %-13s %-7s %6s %8s |%6s%6s%6s%6s%6s |\n", "scene", "integrator", "route", "step ms",
-              "bare ms", "around", "[quartiles]", "goal", "fs/b", "refine", "eval", "asmbl", "trans", "resid", "updt");
+  std::printf("BLAS: %s\n\nImplicit Euler, ms per step and shares in %% of bare CHOLMOD (factor + solve)\n",
+              blas_name().c_str());
+  std::printf("%-10s %-24s %-7s %8s %8s %6s %-13s %-7s %6s %8s |%6s%6s%6s%6s%6s |\n", "scene", "integrator",
+              "route", "step ms", "bare ms", "around", "[quartiles]", "goal", "fs/b", "refine", "eval",
+              "asmbl", "trans", "resid", "updt");
   const double frame = 1.0 / 60.0;
-  for (const Case& c : {Case{"S1(10000)", false, "dual", 1e-4, 200, 0.7, "below the notes' step limit"},
-                        Case{"S1(100)", true, "primal", frame, 200, 0.0, "peers: textbook LDLT 0.021 ms"},
-                        Case{"S1(1000)", true, "primal", frame, 100, 0.0, "peers: textbook LDLT 0.21 ms"},
-                        Case{"S1(10000)", true, "primal", frame, 60, 0.0, "peers: textbook LDLT 2.2 ms"},
-                        Case{"S2(30)", false, "primal", frame, 60, 0.10, ""},
-                        Case{"S2(50)", true, "primal", frame, 30, 0.0, "peers: textbook CHOLMOD 42 ms"},
-                        Case{"S2(100)", false, "primal", frame, 20, 0.05, "peers: textbook CHOLMOD 224 ms"},
-                        Case{"S2(100)", true, "primal", frame, 15, 0.05, "peers: textbook CHOLMOD 224 ms"},
-                        Case{"S4(10)", true, "primal", frame, 40, 0.0, "peers: CHOLMOD 22 ms, CG 6 ms"},
-                        Case{"S4(20)", false, "primal", frame, 8, 0.03, "peers: CHOLMOD 510 ms, CG 112 ms"}}) {
+  for (const Case& c :
+       {Case{"S1(10000)", false, "dual", 1e-4, 200, 0.7, "below the notes' step limit"},
+        Case{"S1(100)", true, "primal", frame, 200, 0.0, "peers: textbook LDLT 0.021 ms"},
+        Case{"S1(1000)", true, "primal", frame, 100, 0.0, "peers: textbook LDLT 0.21 ms"},
+        Case{"S1(10000)", true, "primal", frame, 60, 0.0, "peers: textbook LDLT 2.2 ms"},
+        Case{"S2(30)", false, "primal", frame, 60, 0.10, ""},
+        Case{"S2(50)", true, "primal", frame, 30, 0.0, "peers: textbook CHOLMOD 42 ms"},
+        Case{"S2(100)", false, "primal", frame, 20, 0.05, "peers: textbook CHOLMOD 224 ms"},
+        Case{"S2(100)", true, "primal", frame, 15, 0.05, "peers: textbook CHOLMOD 224 ms"},
+        Case{"S4(10)", true, "primal", frame, 40, 0.0, "peers: CHOLMOD 22 ms, CG 6 ms"},
+        Case{"S4(20)", false, "primal", frame, 8, 0.03, "peers: CHOLMOD 510 ms, CG 112 ms"}}) {
     Model model = make_model(c.scene);
     if (c.geometric)
       measure_phases<ImplicitEulerGeometric>(c, std::move(model));
     else
       measure_phases<ImplicitEulerNotes>(c, std::move(model));
   }
-  std::printf("\nLeapfrog, whole steps, million spring evaluations per second\n%-10s %10s %10s %10s %8s\n", "scene", "scalar", "avx2",
-              "avx512", "best/scalar");
+  std::printf("\nLeapfrog, whole steps, million spring evaluations per second\n%-10s %10s %10s %10s %8s\n",
+              "scene", "scalar", "avx2", "avx512", "best/scalar");
   for (const auto& [scene, dt] : {std::pair{"S2(50)", 1e-5}, std::pair{"S4(10)", 1e-4}}) {
     const Model model = make_model(scene);
     double rate[3] = {};
     const char* names[3] = {"scalar", "avx2", "avx512"};
     for (int i = 0; i < 3; ++i) rate[i] = 1e-6 * springs_per_second(model, names[i], dt);
-    std::printf("%-10s %10.1f %10.1f %10.1f %8.2f\n", scene, rate[0], rate[1], rate[2], std::max(rate[1], rate[2]) / rate[0]);
+    std::printf("%-10s %10.1f %10.1f %10.1f %8.2f\n", scene, rate[0], rate[1], rate[2],
+                std::max(rate[1], rate[2]) / rate[0]);
   }
 }
 
 }  // namespace
 }  // namespace feder
 
-int main() { feder::run(); }
+int main() {
+  feder::run();
+}

@@ -8,8 +8,9 @@
 
 namespace feder::test {
 
-/// A random net that uses everything at once: particles of spread masses, pins, rails and planar masks, springs, damped springs,
-/// curvature and angle rows, drag and gravity; `rods` of its tree edges are rigid (independent by construction).
+/// A random net that uses everything at once: particles of spread masses, pins, rails and planar masks,
+/// springs, damped springs, curvature and angle rows, drag and gravity; `rods` of its tree edges are rigid
+/// (independent by construction).
 struct RandomSystemOptions {
   int particles = 12;
   double stiffness = 1e3;  ///< [N/m], spread by a factor of 10 either way
@@ -42,15 +43,20 @@ inline SystemBuilder::Built random_system(unsigned seed, const RandomSystemOptio
     rods += rod;
     const Material material{rod ? std::numeric_limits<double>::infinity() : options.stiffness * spread(),
                             i % 2 ? options.damping_time : 0.0};
-    builder.add_distance(nodes[static_cast<std::size_t>(random() % static_cast<unsigned>(i))], nodes[i], material);
+    builder.add_distance(nodes[static_cast<std::size_t>(random() % static_cast<unsigned>(i))], nodes[i],
+                         material);
   }
   for (int i = 0; options.loops && i < options.particles; ++i) {
     const int a = static_cast<int>(random() % nodes.size()), b = static_cast<int>(random() % nodes.size());
-    if (a != b) builder.add_distance(nodes[a], nodes[b], {i % 5 == 4 ? 0.0 : options.stiffness * spread(), 0.0}, 0.5);
+    if (a != b)
+      builder.add_distance(nodes[a], nodes[b], {i % 5 == 4 ? 0.0 : options.stiffness * spread(), 0.0}, 0.5);
   }
   for (int i = 2; options.bending && i + 2 <= options.particles; i += 3) {
-    builder.add(CurvatureRow{{nodes[i].node, nodes[i + 1].node, nodes[i + 2].node}, 0.01 * options.stiffness, options.damping_time});
-    builder.add(AngleRow{{nodes[i - 1].node, nodes[i].node, nodes[i + 1].node}, 0.01 * options.stiffness, 0.0, 1.1});
+    builder.add(CurvatureRow{{nodes[i].node, nodes[i + 1].node, nodes[i + 2].node},
+                             0.01 * options.stiffness,
+                             options.damping_time});
+    builder.add(
+        AngleRow{{nodes[i - 1].node, nodes[i].node, nodes[i + 1].node}, 0.01 * options.stiffness, 0.0, 1.1});
   }
   builder.set_gravity({0.0, -9.81, 0.0});
   builder.set_drag(0.05);

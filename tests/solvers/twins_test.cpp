@@ -1,4 +1,5 @@
-// The corrected formulas of notes.md section 0 that concern springs pass, the formulas as printed fail (slips 1 to 4).
+// The corrected formulas of notes.md section 0 that concern springs pass, the formulas as printed fail (slips
+// 1 to 4).
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -19,7 +20,8 @@ struct DenseChain {
   Eigen::MatrixXd M, J, C;
   VectorXd v, phi;
   DenseChain() {
-    const auto [system, state] = test::random_system(4, {.particles = 6, .stiffness = 1e4, .bending = false, .loops = false});
+    const auto [system, state] =
+        test::random_system(4, {.particles = 6, .stiffness = 1e4, .bending = false, .loops = false});
     const Kkt kkt = test::implicit_euler_kkt(system, state, kDt);
     std::vector<int> free;
     for (int i = 0; i < state.v.size(); ++i)
@@ -50,7 +52,9 @@ struct DenseChain {
     return K;
   }
   Eigen::MatrixXd primal() const { return M + kDt * kDt * J.transpose() * C.inverse() * J; }
-  VectorXd primal_velocity() const { return primal().ldlt().solve(M * v - kDt * J.transpose() * C.inverse() * phi); }
+  VectorXd primal_velocity() const {
+    return primal().ldlt().solve(M * v - kDt * J.transpose() * C.inverse() * phi);
+  }
   VectorXd solve(const Eigen::MatrixXd& K, const VectorXd& second) const {
     VectorXd b(K.rows());
     b << M * v, second;
@@ -60,14 +64,16 @@ struct DenseChain {
 
 TEST(Slip1, MinusSignGivesTheVelocityOfThePrimalSystem) {
   const DenseChain chain;
-  const VectorXd v = chain.solve(chain.step_matrix(-1.0), chain.phi / kDt), expected = chain.primal_velocity();
+  const VectorXd v = chain.solve(chain.step_matrix(-1.0), chain.phi / kDt),
+                 expected = chain.primal_velocity();
   ASSERT_GT(expected.norm(), 0.1);
   EXPECT_LT((v - expected).norm() / expected.norm(), 1e-12);  // measured 1e-15
 }
 
 TEST(Slip1, PlusSignAsPrintedMissesIt) {
   const DenseChain chain;
-  const VectorXd v = chain.solve(chain.step_matrix(+1.0), chain.phi / kDt), expected = chain.primal_velocity();
+  const VectorXd v = chain.solve(chain.step_matrix(+1.0), chain.phi / kDt),
+                 expected = chain.primal_velocity();
   EXPECT_GT((v - expected).norm() / expected.norm(), 0.1);
 }
 
@@ -115,15 +121,19 @@ TEST(Slip3, SchurComplementOfTheSymmetricMatrixIsMPlusStiffness) {
 TEST(Slip4, NotesStepIsNotUnconditionallyStable) {
   // the same string, step and start: the notes' step explodes where the one with geometric stiffness does not
   auto growth = [](const char* name) {
-    Model model = make_model("taut_string");
+    Model model = make_model("taut_string:modes=-1:1e-9");
     Integrator integrator = make_integrator(name, model.system);
-    const double before = model.state.q.cwiseAbs().maxCoeff();
+    const double before =
+        Eigen::Map<VectorXd, 0, Eigen::InnerStride<3>>(model.state.q.data() + 1, model.system.nodes).norm();
     History history;
-    (void)simulate(model.system, integrator, model.state, history, {.dt = 0.05, .end_time = 20.0, .divergence = 1e30});
-    return model.state.q.cwiseAbs().maxCoeff() / before;
+    (void)simulate(model.system, integrator, model.state, history,
+                   {.dt = 0.05, .end_time = 5.0, .divergence = 1e30});
+    return Eigen::Map<VectorXd, 0, Eigen::InnerStride<3>>(model.state.q.data() + 1, model.system.nodes)
+               .norm() /
+           before;
   };
-  EXPECT_LT(growth("implicit_euler_geometric"), 1.01);
-  EXPECT_GT(growth("implicit_euler_notes"), 10.0);
+  EXPECT_LT(growth("implicit_euler_geometric"), 1.0);
+  EXPECT_GT(growth("implicit_euler_notes"), 1e4);
 }
 
 // Implicit Euler for the linear chain in closed form, mode by mode: (z_j', w_j') = (z_j + dt w_j') with
@@ -159,6 +169,9 @@ TEST(LinearChain, NotesStepEqualsExactImplicitEulerByAllRoutes) {
   const Model model = make_model("chain:n=50");
   const double dt = model.end_time / 200.0;
   const State expected = exact_implicit_euler(model.system, model.state, dt, 100);
+  double largest_v = 0.0;
+  for (int k = 1; k <= 10; ++k)
+    largest_v = std::max(largest_v, model.exact(k * model.end_time / 10.0 / 1.7).v.norm());
   ASSERT_GT((expected.q - model.state.q).norm(), 1e-5);
   for (const char* route : {"kkt", "primal", "dual"}) {
     State state = model.state;
@@ -166,8 +179,10 @@ TEST(LinearChain, NotesStepEqualsExactImplicitEulerByAllRoutes) {
     ImplicitEulerNotes integrator(model.system, {.route = route});
     ASSERT_TRUE(integrator.prepare().ok());
     for (int k = 0; k < 100; ++k) ASSERT_TRUE(integrator.step(dt, state, history, nullptr).ok());
-    EXPECT_LT((state.q - expected.q).norm() / expected.q.norm(), 1e-12) << route;
-    EXPECT_LT((state.v - expected.v).norm() / expected.v.norm(), 1e-12) << route;
+    const double q_error = (state.q - expected.q).norm() / expected.q.norm(),
+                 v_error = (state.v - expected.v).norm() / largest_v;
+    EXPECT_LT(q_error, 1e-12) << route;  // measured 1e-15
+    EXPECT_LT(v_error, 1e-12) << route;  // measured 5e-14, against the largest speed of the run
   }
 }
 

@@ -1,0 +1,299 @@
+// Predicted step limits of a system linearised at a state: M x'' + C x' + (Km + Kg) x = 0 over the free
+// coordinates, scaled by M^-1/2 from both sides and applied matrix-free,
+//   Km = J^T D J,  Kg = -sum_k lambda_k Hess phi_k with lambda = -D phi,  C = drag + J^T D tau J.
+// Eigenvalues: dense for small systems, Lanczos (Spectra) otherwise.
+#include "solvers/stability.h"
+
+#include <Spectra/SymEigsSolver.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "engine/kkt.h"
+#include "solvers/stability_modes.h"
+
+namespace feder {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLanczosTolerance = 1e-11;
+// Roots and frequencies below this fraction of the largest are rounding noise of free motion.
+constexpr double kRelativeZero = 1e-6;
+
+struct Weights {
+  double material = 0.0, geometric = 0.0, damping = 0.0;
+};
+constexpr Weights kStiffness{1.0, 1.0, 0.0};
+
+struct Eigenpair {
+  double value;
+  VectorXd vector;
+};
+
+class Linearization {
+ public:
+  Linearization(const System& s, const State& state);
+
+  const Status& status() const { return status_; }
+  int size() const { return static_cast<int>(coordinates_.size()); }
+  bool small() const { return size() <= kLargestDenseSize; }
+  bool stressed() const { return stressed_; }
+  bool damped() const { return system_.has_damping || system_.forces.has_drag; }
+  /// (alpha, tau) if C = alpha M + tau K on every mode, else nothing.
+  std::optional<std::pair<double, double>> modal_damping() const;
+
+  /// M^-1/2 (w.material Km + w.geometric Kg + w.damping C) M^-1/2 x.
+  VectorXd apply(const Weights& w, const VectorXd& x) const;
+  Eigen::MatrixXd dense(const Weights& w) const;
+  /// Largest eigenvalue of apply(w) + shift, and its vector; nothing if Lanczos does not converge.
+  std::optional<Eigenpair> top(const Weights& w, double shift = 0.0) const;
+
+ private:
+  const System& system_;
+  Status status_;
+  Kkt kkt_;
+  bool stressed_ = false;
+  std::vector<int> coordinates_;  ///< free ones
+  VectorXd scale_;                ///< M^-1/2 over them
+};
+
+Linearization::Linearization(const System& s, const State& state) : system_(s) {
+  for (int k = 0; k < s.rows && status_.ok(); ++k)
+    if (std::isinf(s.stiffness[k]))
+      status_ = Status::failure(StatusCode::kRefused, s.row_name(k) + " is hard: its frequency is infinite");
+  if (!status_.ok()) return;
+  kkt_.prepare(s);
+  if (status_ = kkt_.evaluate(state.q); !status_.ok()) return;
+  kkt_.set_geometric_stiffness(GeometricStiffness::kFull, 1.0, state, -s.stiffness.cwiseProduct(kkt_.phi));
+  for (int i = 0; i < 3 * s.nodes; ++i)
+    if (s.inverse_mass[i] > 0.0) coordinates_.push_back(i);
+  scale_.resize(size());
+  for (int i = 0; i < size(); ++i) scale_[i] = std::sqrt(s.inverse_mass[coordinates_[i]]);
+
+  stressed_ = static_cast<bool>(s.forces.user.stiffness);
+  for (int k = 0; k < s.rows; ++k) {
+    const double length = k < s.distance.size() ? kkt_.length[k] : 1.0;
+    if (s.stiffness[k] > 0.0 && std::abs(kkt_.phi[k]) > 1e-13 * length) stressed_ = true;
+  }
+}
+
+std::optional<std::pair<double, double>> Linearization::modal_damping() const {
+  const System& s = system_;
+  double alpha = 0.0, tau = 0.0;
+  if (s.forces.has_drag) {
+    alpha = s.forces.drag[coordinates_[0]] * s.inverse_mass[coordinates_[0]];
+    for (int i : coordinates_)
+      if (std::abs(s.forces.drag[i] * s.inverse_mass[i] - alpha) > 1e-14 * alpha) return std::nullopt;
+  }
+  if (s.has_damping) {
+    if (stressed_) return std::nullopt;  // C follows Km alone
+    for (int k = 0; k < s.rows; ++k)
+      if (s.stiffness[k] > 0.0) tau = s.damping_time[k];
+    for (int k = 0; k < s.rows; ++k)
+      if (s.stiffness[k] > 0.0 && s.damping_time[k] != tau) return std::nullopt;
+  }
+  return std::pair{alpha, tau};
+}
+
+VectorXd Linearization::apply(const Weights& w, const VectorXd& x) const {
+  const System& s = system_;
+  VectorXd full = VectorXd::Zero(3 * s.nodes), out = VectorXd::Zero(3 * s.nodes), y;
+  for (int i = 0; i < size(); ++i) full[coordinates_[i]] = scale_[i] * x[i];
+  // J^T D (material + damping tau) J
+  kkt_.multiply_jacobian(full, y);
+  y.array() *= s.stiffness.array() * (w.material + w.damping * s.damping_time.array());
+  kkt_.add_jacobian_transpose(y, out);
+  if (w.geometric != 0.0) kkt_.add_geometric(w.geometric * full, out);
+  if (w.damping != 0.0) out.array() += w.damping * s.forces.drag.array() * full.array();
+  VectorXd result(size());
+  for (int i = 0; i < size(); ++i) result[i] = scale_[i] * out[coordinates_[i]];
+  return result;
+}
+
+Eigen::MatrixXd Linearization::dense(const Weights& w) const {
+  Eigen::MatrixXd A(size(), size());
+  for (int i = 0; i < size(); ++i) A.col(i) = apply(w, VectorXd::Unit(size(), i));
+  return 0.5 * (A + A.transpose());
+}
+
+// What Spectra needs of a matrix.
+struct Product {
+  using Scalar = double;
+  const Linearization& system;
+  Weights weights;
+  double shift;
+
+  Eigen::Index rows() const { return system.size(); }
+  Eigen::Index cols() const { return system.size(); }
+  void perform_op(const double* in, double* out) const {
+    const Eigen::Map<const VectorXd> x(in, system.size());
+    Eigen::Map<VectorXd>(out, system.size()) = system.apply(weights, x) + shift * x;
+  }
+};
+
+std::optional<Eigenpair> Linearization::top(const Weights& w, double shift) const {
+  if (small()) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(dense(w));
+    if (eigen.info() != Eigen::Success) return std::nullopt;
+    return Eigenpair{eigen.eigenvalues()[size() - 1] + shift, eigen.eigenvectors().rightCols<1>()};
+  }
+  Product product{*this, w, shift};
+  Spectra::SymEigsSolver<Product> solver(product, 1, 60);
+  solver.init();
+  solver.compute(Spectra::SortRule::LargestAlge, 2000, kLanczosTolerance);
+  if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
+  return Eigenpair{solver.eigenvalues()[0], solver.eigenvectors().col(0)};
+}
+
+std::string number(double x) {
+  char text[32];
+  (void)std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+std::string user_force_note(const System& s) {
+  return s.forces.user && !s.forces.user.stiffness ? "; the user force gives no stiffness and is left out"
+                                                   : "";
+}
+
+constexpr const char* kNoConvergence = "Lanczos did not converge on the largest eigenvalue";
+
+struct Method {
+  double (*mode)(double omega_squared, double c);
+  double (*root)(std::complex<double> s);
+};
+
+// The limit over all modes, C = alpha M + tau K.
+StabilityLimit modal_limit(const Linearization& system, double alpha, double tau, const Method& method) {
+  const std::optional<Eigenpair> top = system.top(kStiffness);
+  if (!top) return {kNaN, kNoConvergence};
+  const double largest = std::max(0.0, top->value), damping = alpha + tau * largest;
+  StabilityLimit limit{method.mode(largest, damping), "omega_max = " + number(std::sqrt(largest)) +
+                                                          " rad/s, damping rate " + number(damping) + " 1/s"};
+  // the limit first rises and then falls with omega (checked over all alpha tau): only drag can make the
+  // slowest mode decide
+  if (alpha == 0.0 || limit.dt <= method.mode(0.0, alpha)) return limit;
+  const std::optional<Eigenpair> bottom = system.top({-1.0, -1.0, 0.0}, largest);
+  if (!bottom)
+    return {kNaN, "Lanczos did not converge on the smallest eigenvalue, which decides under heavy drag"};
+  const double smallest = std::max(0.0, largest - bottom->value);
+  const double dt = method.mode(smallest, alpha + tau * smallest);
+  if (dt >= limit.dt) return limit;
+  return {dt, "drag " + number(alpha) + " 1/s on the slowest mode, omega = " + number(std::sqrt(smallest)) +
+                  " rad/s"};
+}
+
+// The limit over the eigenvalues of [0 E; -K -C].
+StabilityLimit companion_limit(const Linearization& system, const Method& method) {
+  const int n = system.size();
+  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+  companion.topRightCorner(n, n).setIdentity();
+  companion.bottomLeftCorner(n, n) = -system.dense(kStiffness);
+  companion.bottomRightCorner(n, n) = -system.dense({0.0, 0.0, 1.0});
+  const Eigen::EigenSolver<Eigen::MatrixXd> eigen(companion, false);
+  if (eigen.info() != Eigen::Success)
+    return {kNaN, "the eigenvalues of the companion matrix did not converge"};
+  const double scale = eigen.eigenvalues().cwiseAbs().maxCoeff();
+  StabilityLimit limit{kInfinity, "no stiffness and no damping"};
+  for (std::complex<double> s : eigen.eigenvalues()) {
+    if (std::abs(s) <= kRelativeZero * scale) continue;    // free motion
+    if (s.real() > kRelativeZero * std::abs(s)) continue;  // grows in the exact solution too
+    if (s.real() > -1e-10 * std::abs(s)) s.real(0.0);      // undamped to rounding
+    const double dt = method.root(s);
+    if (dt < limit.dt)
+      limit = {
+          dt, "root " + number(s.real()) + " + " + number(std::abs(s.imag())) + " i of the companion matrix"};
+  }
+  return limit;
+}
+
+StabilityLimit damped_limit(const System& s, const State& state, const Method& method) {
+  const Linearization system(s, state);
+  if (!system.status().ok()) return {kNaN, system.status().reason};
+  if (system.size() == 0) return {kInfinity, "nothing moves"};
+  StabilityLimit limit{kNaN, "the damping does not diagonalise with the stiffness and the system has " +
+                                 std::to_string(system.size()) + " free coordinates, more than " +
+                                 std::to_string(kLargestDenseSize)};
+  if (const auto modal = system.modal_damping())
+    limit = modal_limit(system, modal->first, modal->second, method);
+  else if (system.small())
+    limit = companion_limit(system, method);
+  limit.why += user_force_note(s);
+  return limit;
+}
+
+}  // namespace
+
+double largest_frequency(const System& s, const State& state) {
+  const Linearization system(s, state);
+  if (!system.status().ok()) return kNaN;
+  if (system.size() == 0) return 0.0;
+  const std::optional<Eigenpair> top = system.top(kStiffness);
+  return top ? std::sqrt(std::max(0.0, top->value)) : kNaN;
+}
+
+double largest_rate(const System& s, const State& state) {
+  const Linearization system(s, state);
+  if (!system.status().ok()) return kNaN;
+  if (system.size() == 0) return 0.0;
+  const std::optional<Eigenpair> stiffest = system.top(kStiffness);
+  if (!stiffest) return kNaN;
+  double c = 0.0;
+  if (system.damped()) {
+    const std::optional<Eigenpair> most_damped = system.top({0.0, 0.0, 1.0});
+    if (!most_damped) return kNaN;
+    c = std::max(0.0, most_damped->value);
+  }
+  return 0.5 * (c + std::sqrt(c * c + 4.0 * std::max(0.0, stiffest->value)));
+}
+
+StabilityLimit stability_limit_explicit_euler(const System& s, const State& state) {
+  return damped_limit(s, state, {explicit_euler_limit, explicit_euler_limit});
+}
+
+StabilityLimit stability_limit_rk4(const System& s, const State& state) {
+  return damped_limit(s, state, {rk4_limit, rk4_limit});
+}
+
+StabilityLimit stability_limit_leapfrog(const System& s, const State& state) {
+  const Linearization system(s, state);
+  if (!system.status().ok()) return {kNaN, system.status().reason};
+  if (system.size() == 0) return {kInfinity, "nothing moves"};
+  const std::optional<Eigenpair> top = system.top(kStiffness);
+  if (!top) return {kNaN, kNoConvergence};
+  const double largest = std::max(0.0, top->value);
+  return {leapfrog_limit(largest, 0.0),
+          "omega_max = " + number(std::sqrt(largest)) + " rad/s" + user_force_note(s)};
+}
+
+StabilityLimit stability_limit_notes_step(const System& s, const State& state) {
+  const Linearization system(s, state);
+  if (!system.status().ok()) return {kNaN, system.status().reason};
+  if (system.size() == 0) return {kInfinity, "nothing moves"};
+  if (!system.stressed()) return {kInfinity, "no row is stressed: Kg = 0" + user_force_note(s)};
+  // the shift makes Lanczos converge relative to the whole spectrum, not to an excess that may be 0
+  const std::optional<Eigenpair> stiffest = system.top(kStiffness);
+  if (!stiffest) return {kNaN, kNoConvergence};
+  const double shift = std::abs(stiffest->value);
+  const double mu = notes_step_rate(
+      [&](double at) -> std::optional<VectorXd> {
+        auto top = system.top({-1.0, 1.0, -2.0 * at}, shift);
+        if (!top) return std::nullopt;
+        return std::move(top->vector);
+      },
+      [&](const VectorXd& x) {
+        return RayleighForms{x.dot(system.apply({-1.0, 1.0, 0.0}, x)),
+                             system.damped() ? x.dot(system.apply({0.0, 0.0, 1.0}, x)) : 0.0};
+      },
+      1e-12 * shift, 1e-10);
+  if (std::isnan(mu)) return {kNaN, kNoConvergence};
+  if (mu == 0.0) return {kInfinity, "nowhere does Kg exceed Km" + user_force_note(s)};
+  return {1.0 / mu,
+          "geometric stiffness exceeds Km: 4 M + 2 dt C + dt^2 (Km - Kg) is singular" + user_force_note(s)};
+}
+
+}  // namespace feder
