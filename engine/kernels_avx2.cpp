@@ -33,7 +33,7 @@ inline Triple spread_by_threes(Vec x) {
 }  // namespace
 
 const Kernels& avx2_kernels() {
-  static const Kernels kernels{"avx2",   plain_forces, damped_forces, evaluate, multiply, add_transpose,
+  static const Kernels kernels{"avx2",   plain_forces, damped_forces, evaluate, multiply, multiply_weighted, add_transpose,
                                momentum, product,      drift,         kick,     balance};
   return kernels;
 }

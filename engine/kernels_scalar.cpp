@@ -38,6 +38,15 @@ void multiply(const DistanceView& rows, const double* u, const double* v, double
   }
 }
 
+void multiply_weighted(const DistanceView& rows, const double* u, const double* w, const double* x, double* out) {
+  for (int k = 0; k < kBatch * rows.batches; ++k) {
+    const long a = 3 * static_cast<long>(rows.a[k]), b = 3 * static_cast<long>(rows.b[k]);
+    double sum = 0.0;
+    for (int c = 0; c < 3; ++c) sum += u[3 * k + c] * (w[b + c] * x[b + c] - w[a + c] * x[a + c]);
+    out[k] = sum;
+  }
+}
+
 void add_transpose(const DistanceView& rows, const double* u, const double* y, double* f) {
   for (int k = 0; k < kBatch * rows.batches; ++k) {
     double* fa = f + 3 * static_cast<std::ptrdiff_t>(rows.a[k]);
@@ -89,7 +98,7 @@ const Kernels*& selected() {
 }  // namespace
 
 const Kernels& scalar_kernels() {
-  static const Kernels kernels{"scalar", plain_forces, damped_forces, evaluate, multiply, add_transpose,
+  static const Kernels kernels{"scalar", plain_forces, damped_forces, evaluate, multiply, multiply_weighted, add_transpose,
                                momentum, product,      drift,         kick,     balance};
   return kernels;
 }

@@ -170,6 +170,26 @@ void multiply(const DistanceView& rows, const double* u, const double* v, double
             sum_by_threes(load3(u + 3 * static_cast<long>(at)) * difference(rows, rows.run[batch], at, v)));
 }
 
+void multiply_weighted(const DistanceView& rows, const double* u, const double* w, const double* x, double* out) {
+  for (int batch = 0; batch < rows.batches; ++batch) {
+    const int first = rows.run[batch];
+    for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes) {
+      if (first >= 0) {
+        const long a = 3 * static_cast<long>(rows.a[at]), b = 3 * static_cast<long>(rows.b[at]);
+        const Triple D = load3(w + b) * load3(x + b) - load3(w + a) * load3(x + a);
+        store(out + at, sum_by_threes(load3(u + 3 * static_cast<long>(at)) * D));
+        continue;
+      }
+      for (int k = at; k < at + kLanes; ++k) {
+        const long a = 3 * static_cast<long>(rows.a[k]), b = 3 * static_cast<long>(rows.b[k]);
+        double sum = 0.0;
+        for (int c = 0; c < 3; ++c) sum += u[3 * k + c] * (w[b + c] * x[b + c] - w[a + c] * x[a + c]);
+        out[k] = sum;
+      }
+    }
+  }
+}
+
 void add_transpose(const DistanceView& rows, const double* u, const double* y, double* f) {
   for (int batch = 0; batch < rows.batches; ++batch)
     for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes)

@@ -220,19 +220,29 @@ void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const S
   }
 }
 
-void Kkt::multiply_jacobian(const VectorXd& v, VectorXd& out) const {
-  const System& s = *system;
-  out.resize(s.rows);
-  kernels().multiply(s.distance_view(), u.data(), v.data(), out.data());
-  for (const Stencil& stencil : s.stencils) {
-    const int* nodes = s.stencil_nodes.data() + stencil.first_node;
+template <class Velocity>
+void Kkt::multiply_stencils(Velocity&& velocity, VectorXd& out) const {
+  for (const Stencil& stencil : system->stencils) {
+    const int* nodes = system->stencil_nodes.data() + stencil.first_node;
     const double* J = jacobian.data() + stencil.jacobian;
     for (int i = 0; i < stencil.rows; ++i) {
       double sum = 0.0;
-      for (int c = 0; c < 3 * stencil.nodes; ++c) sum += *J++ * v[3 * nodes[c / 3] + c % 3];
+      for (int c = 0; c < 3 * stencil.nodes; ++c) sum += *J++ * velocity(3 * nodes[c / 3] + c % 3);
       out[stencil.first_row + i] = sum;
     }
   }
+}
+
+void Kkt::multiply_jacobian(const VectorXd& v, VectorXd& out) const {
+  out.resize(system->rows);
+  kernels().multiply(system->distance_view(), u.data(), v.data(), out.data());
+  multiply_stencils([&](int i) { return v[i]; }, out);
+}
+
+void Kkt::multiply_jacobian_inverse_mass(const VectorXd& x, VectorXd& out) const {
+  out.resize(system->rows);
+  kernels().multiply_weighted(system->distance_view(), u.data(), inverse_mass.data(), x.data(), out.data());
+  multiply_stencils([&](int i) { return inverse_mass[i] * x[i]; }, out);
 }
 
 void Kkt::add_jacobian_transpose(const VectorXd& y, VectorXd& out) const {

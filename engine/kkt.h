@@ -62,6 +62,8 @@ struct Kkt {
 
   /// out = J v.
   void multiply_jacobian(const VectorXd& v, VectorXd& out) const;
+  /// out = J Mt^-1 x where Mt is diagonal (0 where masked).
+  void multiply_jacobian_inverse_mass(const VectorXd& x, VectorXd& out) const;
   /// out += J^T y.
   void add_jacobian_transpose(const VectorXd& y, VectorXd& out) const;
   /// out += sigma Kg v.
@@ -73,6 +75,9 @@ struct Kkt {
   ResidualSize residual_size(const VectorXd& v, const VectorXd& y) const;
 
  private:
+  template <class Velocity>
+  void multiply_stencils(Velocity&& velocity, VectorXd& out) const;
+
   double sigma_ = -1.0, rho_ = -1.0;
   long step_serial_ = 0;
   std::vector<int> inert_distance_;  // rows that cannot push in this step: J = 0

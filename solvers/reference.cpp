@@ -230,6 +230,11 @@ Reference make_reference(const System& s, const State& initial, double end_time,
     if (std::optional<Reference> known = load(*file, hash, 3 * s.nodes)) return std::move(*known);
   const bool small = 2 * s.free_count <= o.most_ida_unknowns || s.has_hard_rows || !(end_time > initial.t);
   Reference r = small ? ida_reference(s, initial, end_time, o) : explicit_reference(s, initial, end_time, o);
+  if (small && r.status.code == StatusCode::kLimitReached) {
+    const std::string why = r.status.reason;
+    r = explicit_reference(s, initial, end_time, o);
+    r.method += " (" + why + ")";
+  }
   if (file && r.status.ok()) store(*file, encode(r, hash));
   return r;
 }

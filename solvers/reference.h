@@ -33,11 +33,12 @@ struct Reference {
 /// sqrt(sum m |dx|^2 / sum m) over the particles that can move [m].
 double position_error(const System& system, const State& a, const State& b);
 
-/// The trajectory's end by IDA at two tolerances; on scenes too large for it by leapfrog (RK4 with damping,
-/// drag or a user force) at dt and dt/2, not extrapolated. The state is that of the finer run, the error the
-/// difference of the two, which is mostly that of the coarser. Hard rows are refused. Successful references
-/// of scenes without a user force are cached under a hash of every number that decides them; a damaged or
-/// unwritable cache costs time, never the answer.
+/// The trajectory's end by IDA at two tolerances; on scenes too large for it, or where its budget runs out
+/// (recorded in `method`), by leapfrog (RK4 with damping, drag or a user force) at dt and dt/2, not
+/// extrapolated. The state is that of the finer run, the error the difference of the two, which is mostly
+/// that of the coarser. Hard rows are refused. Successful references of scenes without a user force are
+/// cached under a hash of every number that decides them; a damaged or unwritable cache costs time, never the
+/// answer.
 Reference make_reference(const System& system, const State& initial, double end_time,
                          const ReferenceOptions& options = {});
 

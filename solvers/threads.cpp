@@ -6,9 +6,11 @@
 #include <dlfcn.h>
 #include <omp.h>
 #include <sundials/sundials_version.h>
+#include <unistd.h>
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdlib>
 
 #include "engine/check.h"
 
@@ -39,6 +41,26 @@ void set_threads(int threads) {
 std::string blas_name() {
   auto* config = find_function<char*()>("openblas_get_config");
   return config ? std::string(config()) : "reference or unknown BLAS";
+}
+
+std::string better_blas_core() {
+#if defined(__x86_64__)
+  auto* core = find_function<char*()>("openblas_get_corename");
+  if (!core) return {};
+  const std::string name = core();
+  const bool oldest = name == "Prescott" || name == "Core2" || name == "Generic" || name == "generic";
+  __builtin_cpu_init();
+  if (oldest && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return "SKYLAKEX";
+  if (oldest && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "HASWELL";
+#endif
+  return {};
+}
+
+void restart_with_better_blas(char** argv) {
+  const std::string core = better_blas_core();
+  if (core.empty() || std::getenv("OPENBLAS_CORETYPE")) return;
+  setenv("OPENBLAS_CORETYPE", core.c_str(), 1);
+  execv("/proc/self/exe", argv);  // returns only where it failed: then the slow kernels run
 }
 
 std::map<std::string, std::string> library_versions() {

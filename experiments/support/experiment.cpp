@@ -121,6 +121,7 @@ Ending run_command_line(const ExperimentInfo& info, int argc, char** argv,
 
 int run_experiment(const ExperimentInfo& info, int argc, char** argv,
                    const std::function<void(Context&)>& body) {
+  restart_with_better_blas(argv);
   fix_environment();
   const Ending ending = guarded([&] { return run_command_line(info, argc, argv, body); });
   if (ending.code != 0) {

@@ -62,7 +62,6 @@ Status DualSchur::analyze(const System& s, bool) {
   step_serial_ = -1;
   values_.assign(pattern.entries(), 0.0);
   rhs_.assign(row_.size(), 0.0);
-  scratch_v_ = VectorXd::Zero(3 * s.nodes);
   scratch_y_ = VectorXd::Zero(s.rows);
   return {};
 }
@@ -110,8 +109,7 @@ Status DualSchur::factor(const Kkt&) {
 
 void DualSchur::reduce(const Kkt& kkt, const VectorXd& b1, const VectorXd& b2) {
   // S y = -(b2 + J Mt^-1 b1)
-  kernels().product(b1.size(), kkt.inverse_mass.data(), b1.data(), scratch_v_.data());
-  kkt.multiply_jacobian(scratch_v_, scratch_y_);
+  kkt.multiply_jacobian_inverse_mass(b1, scratch_y_);
   for (std::size_t i = 0; i < row_.size(); ++i) rhs_[i] = -(scratch_y_[row_[i]] + b2[row_[i]]);
 }
 

@@ -58,7 +58,7 @@ class DualSchur {
   std::vector<Incidence> incidences_;
   CholmodFactor factor_;
   std::vector<double> values_, rhs_;
-  VectorXd scratch_v_, scratch_y_;
+  VectorXd scratch_y_;
 };
 
 }  // namespace feder

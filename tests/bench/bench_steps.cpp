@@ -189,6 +189,7 @@ void run() {
 }  // namespace
 }  // namespace feder
 
-int main() {
+int main(int, char** argv) {
+  feder::restart_with_better_blas(argv);
   feder::run();
 }

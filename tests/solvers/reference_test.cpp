@@ -193,5 +193,16 @@ TEST(Reference, LargeScenesTakeTheExplicitPath) {
   EXPECT_EQ(make_reference(system, state, state.t + 0.1, options).method.substr(0, 8), "leapfrog");
 }
 
+TEST(Reference, ExhaustedJudgeIsReplacedAndTheMethodSaysSo) {
+  const auto [system, state] = mixed_scene(8, {.rods = false, .damping = false, .user_force = false});
+  ReferenceOptions options;
+  options.use_cache = false;
+  options.judge.max_steps = 5;
+  const Reference reference = make_reference(system, state, state.t + 0.1, options);
+  EXPECT_TRUE(reference.status.ok()) << reference.status.reason;
+  EXPECT_EQ(reference.method.substr(0, 8), "leapfrog");
+  EXPECT_NE(reference.method.find("step budget"), std::string::npos) << reference.method;
+}
+
 }  // namespace
 }  // namespace feder
