@@ -13,12 +13,13 @@ void set_threads(int threads);
 /// Name, version and threading of the BLAS that runs, "reference or unknown BLAS" if it is not OpenBLAS.
 std::string blas_name();
 
-/// The OPENBLAS_CORETYPE under which OpenBLAS would use this processor's vector units, empty if it does already. An OpenBLAS older
-/// than the processor falls back to its oldest kernels (measured: 2.5 times slower factorisations).
+/// The OPENBLAS_CORETYPE under which OpenBLAS would use this processor's vector units, empty if it does
+/// already. An OpenBLAS older than the processor falls back to its oldest kernels (measured: 2.5 times slower
+/// factorisations).
 std::string better_blas_core();
 
-/// Restarts this program with that core type in its environment: OpenBLAS reads it only when it is loaded. Does nothing if there is
-/// none better or the user has set OPENBLAS_CORETYPE. Call it first thing in main.
+/// Restarts this program with that core type in its environment: OpenBLAS reads it only when it is loaded.
+/// Does nothing if there is none better or the user has set OPENBLAS_CORETYPE. Call it first thing in main.
 void restart_with_better_blas(char** argv);
 
 /// Versions of what actually runs: "Eigen", "SuiteSparse", "CHOLMOD", "SUNDIALS", "BLAS". Goes into
