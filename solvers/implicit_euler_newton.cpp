@@ -8,6 +8,7 @@
 #include "solvers/implicit_euler_newton.h"
 
 #include <cmath>
+#include <cstdio>
 
 namespace feder {
 namespace {
@@ -17,7 +18,14 @@ constexpr double kNear =
     1e-6;  // residual below which the merit is mostly rounding: the residual itself decides
 constexpr double kStalledButGood =
     1e-9;  // residual at which a Newton that no longer contracts has reached rounding
+constexpr double kRoundings = 4.0 * 2.2e-16;  // nothing can be solved below a few roundings of q
 constexpr int kMostCuts = 30;
+
+Status not_converged(double relative) {
+  char text[96];
+  std::snprintf(text, sizeof text, "Newton ran out of iterations at relative residual %.2g", relative);
+  return Status::failure(StatusCode::kNotConverged, text);
+}
 }  // namespace
 
 Status ImplicitEulerNewton::prepare() {
@@ -130,7 +138,10 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
     status = evaluate(dt, start, trial_);
     if (status.ok()) {
       const double after = merit(dt, start, trial_, trial_magnitude);
-      const double noise = kRounding * (magnitude + trial_magnitude);
+      // rounding of q moves W by lambda dphi
+      const double noise =
+          kRounding * (magnitude + trial_magnitude) +
+          kRoundings * at.state.q.lpNorm<Eigen::Infinity>() * (at.y.lpNorm<1>() + trial_.y.lpNorm<1>()) / dt;
       if (after <= before + kArmijo * step * slope + noise) {
         std::swap(at, trial_);
         return {};
@@ -159,13 +170,13 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
     if (Status status = solve_direction(dt, at_); !status.ok()) return status;
     if (Status status = line_search(dt, state, at_); !status.ok()) return status;
     ++counts_.newton_iterations;
-    converged = at_.relative <= options_.newton_tolerance ||
-                (at_.relative <= kStalledButGood && at_.relative > 0.25 * before);
+    // stalled at rounding: of the terms, or (near rest, where they all vanish) of q through the soft rows
+    const double floor = kRoundings * at_.state.q.lpNorm<Eigen::Infinity>() / dt * kkt_.inverse_gamma.norm();
+    const bool at_floor =
+        at_.relative <= kStalledButGood || (at_.g.isZero(0.0) && at_.residual.norm() <= floor);
+    converged = at_.relative <= options_.newton_tolerance || (at_floor && at_.relative > 0.25 * before);
   }
-  if (!converged)
-    return Status::failure(StatusCode::kNotConverged,
-                           "Newton stopped after " + std::to_string(options_.most_newton_iterations) +
-                               " iterations with relative residual " + std::to_string(at_.relative));
+  if (!converged) return not_converged(at_.relative);
   ++counts_.steps;
   if (ledger) keep_books(dt, state, at_, *ledger);
   std::swap(state, at_.state);

@@ -1,5 +1,6 @@
 #include "solvers/linear/linear_solver.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -13,6 +14,8 @@ namespace {
 // Rows per unknown up to which the dual route is taken without asking: measured, it wins at every size for m
 // <= n.
 constexpr double kDualRowsPerUnknown = 1.0;
+// A backward error at this level is rounding: another refinement changes nothing.
+constexpr double kRounding = 1e-15;
 
 // Calls visit with a fresh object of each route type, in list order.
 template <class Visit, std::size_t... I>
@@ -130,8 +133,10 @@ SolveReport LinearSolver::solve(const Kkt& kkt, VectorXd& v, VectorXd& y) {
         // K d = residual, x += d, as long as it halves one of the two errors
         const Stopwatch watch(times_.refine);
         bool helps = true;
+        const double rounding = std::min(options_.refine_above, kRounding);
         auto too_large = [&] {
-          return size.balance_error > options_.refine_above || size.backward_error > options_.refine_above;
+          return size.backward_error > options_.refine_above ||
+                 (size.balance_error > options_.refine_above && size.backward_error > rounding);
         };
         if (too_large()) size = kkt.residual(v, y, &residual_v_, &residual_y_);
         while (helps && too_large() && report.refinements < options_.most_refinements) {
