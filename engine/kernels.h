@@ -33,7 +33,8 @@ struct Kernels {
   /// out[k] = u_k.(v_b - v_a).
   void (*multiply)(const DistanceView&, const double* u, const double* v, double* out);
   /// out[k] = u_k.(w_b x_b - w_a x_a), w elementwise: J W x for a diagonal W.
-  void (*multiply_weighted)(const DistanceView&, const double* u, const double* w, const double* x, double* out);
+  void (*multiply_weighted)(const DistanceView&, const double* u, const double* w, const double* x,
+                            double* out);
   /// f += J^T y.
   void (*add_transpose)(const DistanceView&, const double* u, const double* y, double* f);
 

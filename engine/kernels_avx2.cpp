@@ -33,8 +33,9 @@ inline Triple spread_by_threes(Vec x) {
 }  // namespace
 
 const Kernels& avx2_kernels() {
-  static const Kernels kernels{"avx2",   plain_forces, damped_forces, evaluate, multiply, multiply_weighted, add_transpose,
-                               momentum, product,      drift,         kick,     balance};
+  static const Kernels kernels{
+      "avx2",        plain_forces, damped_forces, evaluate, multiply, multiply_weighted,
+      add_transpose, momentum,     product,       drift,    kick,     balance};
   return kernels;
 }
 

@@ -36,8 +36,9 @@ inline Triple spread_by_threes(Vec x) {
 }  // namespace
 
 const Kernels& avx512_kernels() {
-  static const Kernels kernels{"avx512", plain_forces, damped_forces, evaluate, multiply, multiply_weighted, add_transpose,
-                               momentum, product,      drift,         kick,     balance};
+  static const Kernels kernels{
+      "avx512",      plain_forces, damped_forces, evaluate, multiply, multiply_weighted,
+      add_transpose, momentum,     product,       drift,    kick,     balance};
   return kernels;
 }
 

@@ -22,7 +22,7 @@ double evaluate(const DistanceView& rows, const double* q, double* u, double* le
   double smallest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kBatch * rows.batches; ++k) {
     const Direction d = direction(rows, k, q);
-    smallest = least(smallest, d.squared);
+    smallest = least(smallest, finite_or_nan(d.squared));
     u[3 * k] = d.dx * d.inverse, u[3 * k + 1] = d.dy * d.inverse, u[3 * k + 2] = d.dz * d.inverse;
     if (length) length[k] = d.length;
     phi[k] = d.length - rows.rest[k];
@@ -38,7 +38,8 @@ void multiply(const DistanceView& rows, const double* u, const double* v, double
   }
 }
 
-void multiply_weighted(const DistanceView& rows, const double* u, const double* w, const double* x, double* out) {
+void multiply_weighted(const DistanceView& rows, const double* u, const double* w, const double* x,
+                       double* out) {
   for (int k = 0; k < kBatch * rows.batches; ++k) {
     const long a = 3 * static_cast<long>(rows.a[k]), b = 3 * static_cast<long>(rows.b[k]);
     double sum = 0.0;
@@ -98,8 +99,9 @@ const Kernels*& selected() {
 }  // namespace
 
 const Kernels& scalar_kernels() {
-  static const Kernels kernels{"scalar", plain_forces, damped_forces, evaluate, multiply, multiply_weighted, add_transpose,
-                               momentum, product,      drift,         kick,     balance};
+  static const Kernels kernels{
+      "scalar",      plain_forces, damped_forces, evaluate, multiply, multiply_weighted,
+      add_transpose, momentum,     product,       drift,    kick,     balance};
   return kernels;
 }
 

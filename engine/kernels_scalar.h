@@ -26,6 +26,12 @@ inline double least(double a, double b) {
   return b < a || b != b ? b : a;
 }  // NaN wins
 
+// x where finite, NaN otherwise
+template <class Number>
+inline Number finite_or_nan(Number x) {
+  return x + (x - x);
+}
+
 // f += J^T lambda over rows [begin, end); returns the least squared length
 template <bool kDamped>
 double scalar_forces(const DistanceView& rows, int begin, int end, const double* q, const double* v,
@@ -33,7 +39,7 @@ double scalar_forces(const DistanceView& rows, int begin, int end, const double*
   double smallest = __builtin_inf();
   for (int k = begin; k < end; ++k) {
     const Direction d = direction(rows, k, q);
-    smallest = least(smallest, d.squared);
+    smallest = least(smallest, finite_or_nan(d.squared));
     double lambda = -rows.spring[k] * (d.length - rows.rest[k]);
     const long a = 3 * static_cast<long>(rows.a[k]), b = 3 * static_cast<long>(rows.b[k]);
     if constexpr (kDamped) {

@@ -127,7 +127,7 @@ double forces(const DistanceView& rows, const double* q, const double* v, double
     for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes) {
       const Triple D = difference(rows, first, at, q);
       const Length l = lengths(D);
-      smallest = least(smallest, l.squared);
+      smallest = least(smallest, finite_or_nan(l.squared));
       Vec lambda = -load(rows.spring + at) * (l.length - load(rows.rest + at));
       if constexpr (kDamped) {
         const Vec rate = sum_by_threes(D * difference(rows, first, at, v)) * l.inverse;
@@ -154,7 +154,7 @@ double evaluate(const DistanceView& rows, const double* q, double* u, double* le
     for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes) {
       const Triple D = difference(rows, first, at, q);
       const Length l = lengths(D);
-      smallest = least(smallest, l.squared);
+      smallest = least(smallest, finite_or_nan(l.squared));
       store3(u + 3 * static_cast<long>(at), spread_by_threes(l.inverse) * D);
       if (length) store(length + at, l.length);
       store(phi + at, l.length - load(rows.rest + at));
@@ -170,7 +170,8 @@ void multiply(const DistanceView& rows, const double* u, const double* v, double
             sum_by_threes(load3(u + 3 * static_cast<long>(at)) * difference(rows, rows.run[batch], at, v)));
 }
 
-void multiply_weighted(const DistanceView& rows, const double* u, const double* w, const double* x, double* out) {
+void multiply_weighted(const DistanceView& rows, const double* u, const double* w, const double* x,
+                       double* out) {
   for (int batch = 0; batch < rows.batches; ++batch) {
     const int first = rows.run[batch];
     for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes) {

@@ -4,6 +4,7 @@
 #include "engine/kkt.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 namespace feder {
@@ -18,25 +19,37 @@ void for_each_stencil_row(const System& s, Visit&& visit) {
   });
 }
 
-// Called only when the least squared length is 0 or NaN: names the culprit, if a real row is one.
+Status first_non_finite(const System& s, const VectorXd& q) {
+  for (int i = 0; i < s.nodes; ++i)
+    if (!q.segment<3>(3 * i).allFinite())
+      return Status::failure(StatusCode::kNonFinite,
+                             "node " + std::to_string(i) + ": position is not finite");
+  return {};
+}
+
+// Called only when the least squared length is 0 or not finite: names the culprit.
 Status name_bad_distance(const System& s, const VectorXd& q) {
   const DistanceRows& rows = s.distance;
   for (int k = 0; k < rows.size(); ++k) {
     if (!rows.active(k)) continue;
-    const double length = (q.segment<3>(3 * rows.b[k]) - q.segment<3>(3 * rows.a[k])).norm();
-    if (!std::isfinite(length))
+    const double squared = (q.segment<3>(3 * rows.b[k]) - q.segment<3>(3 * rows.a[k])).squaredNorm();
+    if (!std::isfinite(squared))
       return Status::failure(StatusCode::kNonFinite, s.row_name(k) + ": length is not finite");
-    if (length == 0.0 && rows.rest[k] > 0.0)
+    if (squared == 0.0 && rows.rest[k] > 0.0)
       return Status::failure(StatusCode::kSingular,
                              s.row_name(k) + ": its points coincide, the direction is undefined");
   }
-  return {};
+  return first_non_finite(s, q);  // a padding slot met it
 }
 
-Status degenerate(const System& s, const Stencil& stencil) {
-  return Status::failure(StatusCode::kSingular, s.row_name(stencil.first_row) +
-                                                    ": degenerate (an edge of length 0, or a" +
-                                                    " straight or folded angle)");
+Status degenerate(const System& s, const Stencil& stencil, const VectorXd& q) {
+  for (int i = 0; i < stencil.nodes; ++i)
+    if (!q.segment<3>(3 * s.stencil_nodes[stencil.first_node + i]).allFinite())
+      return Status::failure(StatusCode::kNonFinite,
+                             s.row_name(stencil.first_row) + ": a position is not finite");
+  return Status::failure(
+      StatusCode::kSingular,
+      s.row_name(stencil.first_row) + ": degenerate (an edge of length 0, or a straight or folded angle)");
 }
 
 template <bool kDamped>
@@ -52,11 +65,11 @@ Status add_row_forces(const System& s, const State& state, VectorXd& f) {
   }
   Status status;
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
-    if (!status.ok() || row.stiffness == 0.0) return;
+    if (!status.ok() || row.stiffness == 0.0 || std::isinf(row.stiffness)) return;
     constexpr int kRows = std::decay_t<decltype(row)>::kRows,
                   kColumns = 3 * std::decay_t<decltype(row)>::kNodes;
     double phi[kRows], jacobian[kRows * kColumns];
-    if (!row.evaluate(state.q.data(), phi, jacobian)) status = degenerate(s, stencil);
+    if (!row.evaluate(state.q.data(), phi, jacobian)) status = degenerate(s, stencil, state.q);
     for (int i = 0; i < kRows; ++i) {
       double lambda = -row.stiffness * phi[i];
       if constexpr (kDamped) {
@@ -130,12 +143,13 @@ void Kkt::set_step(double sigma, double rho) {
   inverse_mass = system->inverse_mass;
   for (int i = 0; i < mass.size(); ++i) {
     if (inverse_mass[i] > 0.0) inverse_mass[i] = 1.0 / mass[i];
-    if (mass[i] == 0.0) mass[i] = 1.0;
   }
   for (int k = 0; k < system->rows; ++k) {
-    const double d = system->stiffness[k], weight = d * (sigma + rho * system->damping_time[k]);
-    const bool pushes = d > 0.0 && weight > 0.0;
-    gamma[k] = pushes ? 1.0 / weight : 1.0;  // hard: weight = inf, gamma = 0
+    const double d = system->stiffness[k];
+    const bool hard = std::isinf(d);
+    const double weight = hard ? d : d * (sigma + rho * system->damping_time[k]);
+    const bool pushes = weight > 0.0;
+    gamma[k] = pushes ? 1.0 / weight : 1.0;  // hard: 0
     inverse_gamma[k] = pushes && std::isfinite(weight) ? weight : 0.0;
     if (!pushes && k < system->distance.size()) inert_distance_.push_back(k);
   }
@@ -162,7 +176,7 @@ Status Kkt::evaluate(const VectorXd& q, bool with_length) {
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
     if (!row.evaluate(q.data(), phi.data() + stencil.first_row, jacobian.data() + stencil.jacobian) &&
         status.ok() && row.stiffness > 0.0)
-      status = degenerate(s, stencil);
+      status = degenerate(s, stencil, q);
   });
   for (int i : inert_stencil_) {
     const Stencil& stencil = s.stencils[i];
@@ -302,11 +316,15 @@ ResidualSize Kkt::residual(const VectorXd& v, const VectorXd& y, VectorXd* resid
     geometric_terms = scratch_geometric_.norm();
     scratch_v_ -= scratch_geometric_;
   }
-  for (int i : s.masked) scratch_v_[i] = -p[i];
+  double masked_terms = 0.0;  // masked coordinates have no residual
+  for (int i : s.masked) {
+    scratch_v_[i] = mass[i] * v[i] - p[i];
+    masked_terms += scratch_v_[i] * scratch_v_[i];
+  }
   kernel.balance(p.size(), p.data(), -1.0, mass.data(), v.data(), scratch_v_.data(),
                  residual_v ? residual_v->data() : nullptr, sums);
   const double terms_v = std::sqrt(sums[0]) + std::sqrt(sums[1]) + geometric_terms,
-               balance_v = std::sqrt(sums[2]);
+               balance_v = std::sqrt(std::max(0.0, sums[2] - masked_terms));
   const double error_v = std::sqrt(sums[3]), size_v = std::sqrt(sums[4]);
 
   // second block row: r + gamma y + J v

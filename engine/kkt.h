@@ -33,7 +33,7 @@ struct Kkt {
   const System* system = nullptr;
   bool geometric = false;  ///< Mt has off-diagonal blocks
 
-  VectorXd mass;           ///< M + rho B, the diagonal [kg]; 1 where there is no mass
+  VectorXd mass;           ///< M + rho B, the diagonal [kg]
   VectorXd inverse_mass;   ///< its inverse, 0 where masked [1/kg]
   VectorXd gamma;          ///< 1 / (sigma d + rho b) >= 0, 0 for hard rows [1/kg for distance rows]
   VectorXd inverse_gamma;  ///< 0 for hard rows (they have none) and inactive rows

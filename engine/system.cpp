@@ -89,9 +89,13 @@ int SystemBuilder::add_distance(Anchor a, Anchor b, const Material& material, do
   const int i = require_node(a, where), j = require_node(b, where);
   if (i == j) fail_input(where, "node", i, "", "two different nodes");
   check_material(where, material, "N/m", true);
-  if (std::isnan(rest) || std::isinf(rest)) require_finite(where, "rest length", rest, "m");
+  require_finite(where, "rest length", rest, "m");
   const double length = (nodes_[j].position - nodes_[i].position).norm();
-  distance_.push_back({i, j, rest < 0.0 ? length : rest, material.stiffness, material.damping_time});
+  if (rest < 0.0) rest = length;
+  require_finite(where, "rest length", rest, "m");
+  if (std::isinf(material.stiffness) && rest == 0.0)
+    fail_input(where, "rest length", rest, "m", "a rod longer than 0: it needs a direction");
+  distance_.push_back({i, j, rest, material.stiffness, material.damping_time});
   ids_.push_back({-1, static_cast<int>(distance_.size()) - 1});
   return id;
 }

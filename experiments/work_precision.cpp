@@ -148,7 +148,9 @@ Run run_best(const Context& context, const Scene& scene, const std::string& name
   Run best = run_once(scene, name, route, dt, budget);
   const auto repeats = static_cast<int>(context.settings.integer("repeats"));
   double spent = best.seconds;
-  for (int i = 1; best.status.ok() && i < kMostRepeats && (i < repeats || spent < kEnoughSeconds); ++i) {
+  for (int i = 1; best.status.ok() && !context.interrupted() && i < kMostRepeats &&
+                  (i < repeats || spent < kEnoughSeconds);
+       ++i) {
     Run again = run_once(scene, name, route, dt, budget);
     spent += again.seconds;
     if (again.status.ok() && again.seconds < best.seconds) best = std::move(again);

@@ -39,7 +39,10 @@ void hang_on_a_rod() {
   options.dt = 0.01;
   options.end_time = kEndTime;
   const feder::RunResult run = feder::simulate(system, integrator, state, history, options);
-  if (!run.status.ok()) std::printf("rod: %s\n", run.status.reason.c_str());
+  if (!run.status.ok()) {
+    std::printf("rod: %s\n", run.status.reason.c_str());
+    return;
+  }
   std::printf("rod_multiplier %.17g\n", history.lambda[system.row_of_id[rod]]);
   std::printf("rod_length %.17g\n", state.q.segment<3>(3 * load.node).norm());
 }
