@@ -11,6 +11,10 @@ double kinetic_energy(const System& s, const State& state) {
   return 0.5 * (s.inertia.array() * state.v.array().square()).sum();
 }
 
+double kinetic_energy_change(const System& s, const VectorXd& v_before, const VectorXd& v_after) {
+  return 0.5 * (s.inertia.array() * (v_after - v_before).array() * (v_after + v_before).array()).sum();
+}
+
 double row_energy(const System& s, const State& state) {
   VectorXd phi;
   evaluate_phi(s, state.q, phi);

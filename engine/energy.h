@@ -6,6 +6,8 @@ namespace feder {
 
 /// 1/2 v^T M v [J].
 double kinetic_energy(const System& system, const State& state);
+/// 1/2 (v_after - v_before)^T M (v_after + v_before) [J]: the change of kinetic energy without cancellation.
+double kinetic_energy_change(const System& system, const VectorXd& v_before, const VectorXd& v_after);
 /// 1/2 phi^T D phi over the finite rows [J] (hard rows store nothing).
 double row_energy(const System& system, const State& state);
 /// -sum of constant forces . x (gravity included), and the user's potential if it has one [J].

@@ -45,7 +45,7 @@ const ExperimentInfo kInfo{
           }()},
          {"judge_tolerance", Kind::kNumber, "1e-9", "1e-11", "relative tolerance of the judge's finer run"},
          {"repeats", Kind::kInteger, "2", "3", "runs per timing, more of short ones"},
-         {"max_seconds", Kind::kNumber, "0.1", "10", "budget of a single run, s"}},
+         {"max_seconds", Kind::kNumber, "0.1", "3", "budget of a run and of its repeats, s"}},
     .columns = {"scene", "integrator", "route", "dt", "status", "reason", "steps", "error", "reference_error",
                 "energy_drift", "seconds", "seconds_assemble", "seconds_factor", "seconds_solve",
                 "scene_length", "seconds_whole_run"},
@@ -148,7 +148,7 @@ Run run_best(const Context& context, const Scene& scene, const std::string& name
   Run best = run_once(scene, name, route, dt, budget);
   const auto repeats = static_cast<int>(context.settings.integer("repeats"));
   double spent = best.seconds;
-  for (int i = 1; best.status.ok() && !context.interrupted() && i < kMostRepeats &&
+  for (int i = 1; best.status.ok() && !context.interrupted() && i < kMostRepeats && spent < budget &&
                   (i < repeats || spent < kEnoughSeconds);
        ++i) {
     Run again = run_once(scene, name, route, dt, budget);
@@ -320,6 +320,7 @@ void body(Context& context) {
     total += method.implicit ? static_cast<long>(routes.size()) : 1;
   context.progress.start(total * static_cast<long>(specs.size()));
   for (const std::string& spec : specs) {
+    if (context.interrupted()) break;
     const Scene scene = make_scene(context, spec);
     if (!scene.judge.status.ok()) continue;
     for (const IntegratorInfo& method : integrator_list())

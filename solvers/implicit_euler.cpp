@@ -67,7 +67,7 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
     VectorXd Jv, Kv = VectorXd::Zero(v_.size());
     kkt_.multiply_jacobian(v_, Jv);
     kkt_.add_geometric(v_, Kv);
-    *ledger = {-kinetic_energy(s, state),
+    *ledger = {kinetic_energy_change(s, state.v, v_),
                -row_energy(s, state),
                impulse.dot(v_),
                dt * drag.dot(v_),
@@ -83,10 +83,7 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
     if (s.has_hard_rows) history.lambda = y_ / dt;
     history.force.resize(0);
   }
-  if (ledger) {
-    ledger->kinetic_change += kinetic_energy(s, state);
-    ledger->row_change += row_energy(s, state);
-  }
+  if (ledger) ledger->row_change += row_energy(s, state);
   return {};
 }
 

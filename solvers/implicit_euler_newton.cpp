@@ -191,7 +191,7 @@ void ImplicitEulerNewton::keep_books(double dt, const State& start, const Iterat
   const VectorXd &v = end.state.v, dv = v - start.v, drag = -s.forces.drag.cwiseProduct(v);
   VectorXd Jv;
   kkt_.multiply_jacobian(v, Jv);
-  ledger = {kinetic_energy(s, end.state) - kinetic_energy(s, start),
+  ledger = {kinetic_energy_change(s, start.v, v),
             row_energy(s, end.state) - row_energy(s, start),
             dt * external_.dot(v),
             dt * drag.dot(v),

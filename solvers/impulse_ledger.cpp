@@ -6,7 +6,7 @@ ImpulseLedger::ImpulseLedger(const System& system, const State& before, EnergyLe
     : system_(system), ledger_(ledger) {
   if (!ledger_) return;
   *ledger_ = {};
-  ledger_->kinetic_change = -kinetic_energy(system_, before);
+  v_before_ = before.v;
   ledger_->row_change = -row_energy(system_, before);
 }
 
@@ -24,7 +24,7 @@ void ImpulseLedger::kick(double dt, const State& at, const VectorXd& force, cons
 
 void ImpulseLedger::close(const State& after) {
   if (!ledger_) return;
-  ledger_->kinetic_change += kinetic_energy(system_, after);
+  ledger_->kinetic_change = kinetic_energy_change(system_, v_before_, after.v);
   ledger_->row_change += row_energy(system_, after);
 }
 

@@ -20,6 +20,7 @@ class ImpulseLedger {
  private:
   const System& system_;
   EnergyLedger* ledger_;
+  VectorXd v_before_;
 };
 
 }  // namespace feder
