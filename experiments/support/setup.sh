@@ -15,6 +15,9 @@ feder_packages=(
   gnuplot-nox                                          # charts
 )
 
+# gnuplot draws UTF-8 text whatever the caller's locale is.
+export LC_ALL=C.UTF-8
+
 feder_say() { printf '== %s\n' "$*"; }
 
 feder_stop() {

@@ -210,13 +210,13 @@ TEST(Kkt, RowsComeBackWhenSigmaDoes) {
   EXPECT_TRUE(kkt.phi == fresh.phi);
 }
 
-TEST(Kkt, MassIsInertiaPlusRhoDragAndOneWhereThereIsNone) {
+TEST(Kkt, MassIsInertiaPlusRhoDrag) {
   const Scene scene = mixed_scene(1);
   const System& s = scene.system;
   const Kkt kkt = evaluated(scene, 0.01, 0.1);
   for (int i = 0; i < 3 * s.nodes; ++i) {
     const double drag = s.inverse_mass[i] > 0.0 ? 0.1 * 0.4 : 0.0;
-    EXPECT_DOUBLE_EQ(kkt.mass[i], s.mass[i / 3] == 0.0 ? 1.0 : s.mass[i / 3] + drag);
+    EXPECT_DOUBLE_EQ(kkt.mass[i], s.mass[i / 3] + drag);
     EXPECT_DOUBLE_EQ(kkt.inverse_mass[i], s.inverse_mass[i] > 0.0 ? 1.0 / kkt.mass[i] : 0.0);
   }
 }
