@@ -317,6 +317,7 @@ ResidualSize Kkt::residual(const VectorXd& v, const VectorXd& y, VectorXd* resid
   if (geometric) {
     scratch_geometric_.setZero(p.size());
     add_geometric(v, scratch_geometric_);
+    for (int i : s.masked) scratch_geometric_[i] = 0.0;
     geometric_terms = scratch_geometric_.norm();
     scratch_v_ -= scratch_geometric_;
   }

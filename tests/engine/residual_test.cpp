@@ -108,10 +108,12 @@ TEST_P(Residual, SecondBlockIsRelativeToItsTerms) {
     for (int i : x.scene.system.masked) x.kkt.p[i] = 0.0;
     const VectorXd rate = x.J * x.v, error = x.kkt.r + rate + x.gamma * x.y;
     const double terms = x.kkt.r.norm() + (x.gamma * x.y).norm();
+    const double impulse = x.kkt.inverse_mass.cwiseProduct(x.kkt.p).norm();  // what v is the difference of
     const ResidualSize size = x.kkt.residual_size(x.v, x.y);
     ASSERT_GT(error.norm() / terms, 0.1);
-    EXPECT_NEAR(size.backward_error, error.norm() / (terms + 2.0 * x.v.norm()), 1e-12) << seed;  // 1e-16
-    EXPECT_NEAR(size.balance_error, error.norm() / (terms + rate.norm()), 1e-12) << seed;        // 2e-16
+    EXPECT_NEAR(size.backward_error, error.norm() / (terms + 2.0 * (x.v.norm() + impulse)), 1e-12)
+        << seed;                                                                                     // 1e-16
+    EXPECT_NEAR(size.balance_error, error.norm() / (terms + rate.norm() + impulse), 1e-12) << seed;  // 2e-16
   }
 }
 
@@ -197,6 +199,39 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Residual,
                            return std::string(instance.param == GeometricStiffness::kOff ? "WithoutGeometric"
                                                                                          : "WithGeometric");
                          });
+
+/// A load of 2 kg at rest on a rod to a world point: p is cancelled by the rod, v is what rounding leaves.
+ResidualSize load_on_a_rod(double v_left, double y_error) {
+  SystemBuilder builder;
+  builder.add_world_point({0, 0, 0});
+  builder.add_particle(2.0, {0, -1, 0});
+  builder.add_distance({0}, {1}, {kRigid}, 1.0);
+  builder.set_gravity({0, -9.81, 0});
+  const auto [s, state] = builder.build();
+  const double dt = 0.01;
+  Kkt kkt;
+  kkt.prepare(s);
+  kkt.set_step(dt * dt, dt);
+  EXPECT_TRUE(kkt.evaluate(state.q).ok());
+  kkt.p = dt * s.forces.constant;
+  kkt.r.setZero();
+  VectorXd v = VectorXd::Zero(6), y = VectorXd::Zero(s.rows);
+  v[4] = v_left;
+  y[s.row_of_id[0]] = -dt * 2.0 * 9.81 * (1.0 + y_error);
+  return kkt.residual_size(v, y);
+}
+
+TEST(ResidualAtRest, AcceptsAVelocityThatIsRounding) {
+  EXPECT_LT(load_on_a_rod(1e-17, 0.0).backward_error, 1e-15);  // 5e-17; against |v| alone it would be 0.5
+}
+
+TEST(ResidualAtRest, RefusesAVelocityThatIsNot) {
+  EXPECT_GT(load_on_a_rod(1e-6, 0.0).backward_error, 1e-6);
+}
+
+TEST(ResidualAtRest, RefusesAWrongMultiplier) {
+  EXPECT_GT(load_on_a_rod(0.0, 1e-6).backward_error, 1e-7);
+}
 
 TEST(KktSign, MinusGivesTheSchurComplementOfTheStepAndPlusAnIndefiniteOne) {
   // notes slip 1: with +gamma the Schur complement is M - dt^2 J^T D J

@@ -224,6 +224,7 @@ TEST(System, GravityAndConstantForcesAddUp) {
   const System& s = scene.system;
   const Vector3d weight = s.mass[5] * Vector3d(0.1, -9.81, 0.3);
   EXPECT_TRUE(Vector3d(s.forces.constant.segment<3>(15)).isApprox(weight + Vector3d(1, 2, 3), 1e-15));
+  EXPECT_NEAR(s.forces.constant[21], s.mass[7] * 0.1 + 0.5, 1e-15);
 }
 
 TEST(System, PublicRowIdsSurviveTheReordering) {
@@ -237,9 +238,14 @@ TEST(System, PublicRowIdsSurviveTheReordering) {
     const int i = random.below(30), j = (i + 1 + random.below(28)) % 30,
               l = (j + 1) % 30 == i ? (j + 2) % 30 : (j + 1) % 30;
     stiffness.push_back(1.0 + k);
-    const int type = random.below(3);
+    const int type = k % 4 == 3 ? 3 : random.below(3);
     int id = -1;
     if (type == 0) id = builder.add_distance({i}, {j}, {1.0 + k}), kind.push_back("distance");
+    if (type == 3) {  // backwards along the line: becomes runs
+      const int n = 28 - k / 4;
+      id = builder.add_distance({n}, {n + 1}, {1.0 + k});
+      kind.push_back("distance");
+    }
     if (type == 1) id = builder.add(CurvatureRow{{i, j, l}, 1.0 + k, 0.0}), kind.push_back("curvature");
     if (type == 2) id = builder.add(AngleRow{{i, j, l}, 1.0 + k, 0.0, 1.0}), kind.push_back("angle");
     EXPECT_EQ(id, k);
@@ -247,17 +253,18 @@ TEST(System, PublicRowIdsSurviveTheReordering) {
   const auto [system, state] = builder.build();
   ASSERT_EQ(system.row_of_id.size(), 80u);
   std::set<int> rows;
-  bool moved = false;
+  bool moved = false, run = false;
   for (int id = 0; id < 80; ++id) {
     const int row = system.row_of_id[id];
     rows.insert(row);
     moved = moved || row != id;
+    run = run || (row < system.distance.size() && system.distance.run[row / kBatch] >= 0);
     EXPECT_EQ(system.stiffness[row], stiffness[id]);
     const std::string name = system.row_name(row);
     EXPECT_EQ(name.find(kind[id] + " row " + std::to_string(id) + " (nodes "), 0u) << name;
   }
   EXPECT_EQ(rows.size(), 80u);
-  EXPECT_TRUE(moved);
+  EXPECT_TRUE(moved && run);
 }
 
 TEST(System, NamesEveryScalarRowOfABendingElement) {

@@ -90,6 +90,7 @@ inline Scene mixed_scene(std::uint64_t seed, const SceneParts& parts = {}) {
   builder.set_gravity({0.1, -9.81, 0.3});
   if (parts.damping) builder.set_drag(0.4);
   builder.add_constant_force(at[5], {1.0, 2.0, 3.0});
+  builder.add_constant_force(at[7], {0.5, 0.5, 0.5});  // the plane takes the part along z
   if (parts.user_force) builder.set_user_force(quartic_bond(4, 8, 0.3));
   auto [system, state] = builder.build();
   state.t = 0.7;
