@@ -30,6 +30,10 @@ inline Triple spread_by_threes(Vec x) {
            __builtin_shufflevector(x, x, 2, 3, 3, 3)}};
 }
 
+inline Vec later_by_three(Vec x, Vec y) {
+  return __builtin_shufflevector(x, y, 1, 2, 3, 4);
+}
+
 }  // namespace
 
 const Kernels& avx2_kernels() {

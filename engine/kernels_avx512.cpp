@@ -33,6 +33,10 @@ inline Triple spread_by_threes(Vec x) {
            __builtin_shufflevector(x, x, 5, 5, 6, 6, 6, 7, 7, 7)}};
 }
 
+inline Vec later_by_three(Vec x, Vec y) {
+  return __builtin_shufflevector(x, y, 5, 6, 7, 8, 9, 10, 11, 12);
+}
+
 }  // namespace
 
 const Kernels& avx512_kernels() {

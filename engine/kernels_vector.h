@@ -51,6 +51,7 @@ inline Triple operator-(const Triple& x, const Triple& y) {
 
 Vec sum_by_threes(const Triple& x);  // lane i: x[3i] + x[3i+1] + x[3i+2]
 Triple spread_by_threes(Vec x);      // element 3i+c: x[i]
+Vec later_by_three(Vec x, Vec y);    // the last three of x, then y
 
 // lanes where `condition` holds take `yes`, others +0
 inline Vec keep(Bits condition, Vec yes) {
@@ -101,6 +102,35 @@ inline void apply(const DistanceView& rows, int first, int at, const Triple& F, 
   }
 }
 
+// Scatters J^T y batch by batch. In a chain (b = a + 1) both ends of a batch lie in the same numbers: storing
+// one and loading the other at an offset of one node would wait for the store, so node i gets F_(i-1) - F_i
+// in registers, and the last F of a batch is carried into the next.
+class Scatter {
+ public:
+  Scatter(const DistanceView& rows, double* f) : rows_(rows), f_(f) {}
+  void add(int first, int at, const Triple& F) {
+    if (first < 0 || rows_.b[at] != rows_.a[at] + 1) return apply(rows_, first, at, F, f_);
+    const long a = rows_.a[at];
+    if (a != carried_to_) finish();
+    const Vec &x = F.part[0], &y = F.part[1], &z = F.part[2];
+    add3(f_ + 3 * a, {{later_by_three(carry_, x) - x, later_by_three(x, y) - y, later_by_three(y, z) - z}});
+    carry_ = z;
+    carried_to_ = a + kLanes;
+  }
+  void finish() {
+    if (carried_to_ >= 0)
+      for (int c = 0; c < 3; ++c) f_[3 * carried_to_ + c] += carry_[kLanes - 3 + c];
+    carry_ = Vec{};
+    carried_to_ = -1;
+  }
+
+ private:
+  const DistanceView& rows_;
+  double* f_;
+  Vec carry_{};           // its last three numbers are the force on node carried_to_
+  long carried_to_ = -1;  // none
+};
+
 // the smaller of two, NaN wins
 inline Vec least(Vec x, Vec y) {
   const Bits take = (y < x) | (y != y);
@@ -117,6 +147,7 @@ template <bool kDamped>
 double forces(const DistanceView& rows, const double* q, const double* v, double* f) {
   Vec smallest = broadcast(__builtin_inf());
   double smallest_gathered = __builtin_inf();
+  Scatter scatter(rows, f);
   for (int batch = 0; batch < rows.batches; ++batch) {
     const int first = rows.run[batch];
     if (first < 0) {  // the scatter dominates: wide arithmetic gains nothing
@@ -133,9 +164,10 @@ double forces(const DistanceView& rows, const double* q, const double* v, double
         const Vec rate = sum_by_threes(D * difference(rows, first, at, v)) * l.inverse;
         lambda -= load(rows.damping + at) * rate;
       }
-      apply(rows, first, at, spread_by_threes(lambda * l.inverse) * D, f);
+      scatter.add(first, at, spread_by_threes(lambda * l.inverse) * D);
     }
   }
+  scatter.finish();
   return least(smallest_gathered, least_lane(smallest));
 }
 
@@ -192,10 +224,11 @@ void multiply_weighted(const DistanceView& rows, const double* u, const double* 
 }
 
 void add_transpose(const DistanceView& rows, const double* u, const double* y, double* f) {
+  Scatter scatter(rows, f);
   for (int batch = 0; batch < rows.batches; ++batch)
     for (int at = kBatch * batch; at < kBatch * (batch + 1); at += kLanes)
-      apply(rows, rows.run[batch], at, spread_by_threes(load(y + at)) * load3(u + 3 * static_cast<long>(at)),
-            f);
+      scatter.add(rows.run[batch], at, spread_by_threes(load(y + at)) * load3(u + 3 * static_cast<long>(at)));
+  scatter.finish();
 }
 
 void product(std::size_t n, const double* x, const double* y, double* out) {

@@ -58,9 +58,10 @@ Status DualSchur::analyze(const System& s, bool) {
           mixed_.push_back({entry, 3 * x.node, here[i], here[j], sign});
       }
   std::sort(pairs_.begin(), pairs_.end(), [](const Pair& x, const Pair& y) { return x.entry < y.entry; });
-  for (int i = 0; i < pattern.size; ++i) diagonal_.push_back({pattern.slot(i, i), row_[i], 0.0});
+  for (int i = 0; i < pattern.size; ++i) diagonal_.push_back({pattern.slot(i, i), row_[i]});
   step_serial_ = -1;
   values_.assign(pattern.entries(), 0.0);
+  constant_ = values_;
   rhs_.assign(row_.size(), 0.0);
   scratch_y_ = VectorXd::Zero(s.rows);
   return {};
@@ -73,20 +74,20 @@ void DualSchur::keep_constants(const Kkt& kkt) {
   step_serial_ = kkt.step_serial();
   for (Pair& t : pairs_) t.weight = t.sign * kkt.inverse_mass[t.coordinate];
   for (Diagonal& d : diagonal_) {
-    d.value = kkt.gamma[d.row];
+    double& value = constant_[d.entry];
+    value = kkt.gamma[d.row];
     if (d.row >= s.distance.size()) continue;
     const int a = s.distance.a[d.row], b = s.distance.b[d.row];
     // a row that cannot push has J = 0
     if (isotropic(a) && isotropic(b) && (kkt.inverse_gamma[d.row] > 0.0 || kkt.gamma[d.row] == 0.0))
-      d.value += kkt.inverse_mass[3 * a] + kkt.inverse_mass[3 * b];
+      value += kkt.inverse_mass[3 * a] + kkt.inverse_mass[3 * b];
   }
 }
 
 void DualSchur::assemble(const Kkt& kkt) {
   const double *u = kkt.u.data(), *W = kkt.inverse_mass.data();
   if (kkt.step_serial() != step_serial_) keep_constants(kkt);
-  std::fill(values_.begin(), values_.end(), 0.0);
-  for (const Diagonal& d : diagonal_) values_[d.entry] = d.value;
+  values_ = constant_;
   for (const Pair& t : pairs_) {
     const double *x = u + t.left, *y = u + t.right;
     values_[t.entry] += t.weight * (x[0] * y[0] + x[1] * y[1] + x[2] * y[2]);

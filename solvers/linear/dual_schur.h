@@ -44,7 +44,6 @@ class DualSchur {
   };
   struct Diagonal {  // its own products of a distance row between such nodes: 1/m_a + 1/m_b, since |u| = 1
     int entry, row;
-    double value;
   };
   void keep_constants(const Kkt& kkt);
 
@@ -54,10 +53,10 @@ class DualSchur {
   std::vector<Diagonal> diagonal_;
   std::vector<Pair> pairs_;
   std::vector<Product> mixed_;  // left and right index incidences_
-  long step_serial_ = -1;       // of the Kkt that diagonal_ and pairs_ hold the weights of
+  long step_serial_ = -1;       // of the Kkt whose masses and gamma constant_ and pairs_ hold
   std::vector<Incidence> incidences_;
   CholmodFactor factor_;
-  std::vector<double> values_, rhs_;
+  std::vector<double> values_, constant_, rhs_;  // constant_: the part that only set_step changes
   VectorXd scratch_y_;
 };
 
