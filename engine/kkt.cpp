@@ -192,25 +192,26 @@ Status Kkt::evaluate(const VectorXd& q, bool with_length) {
 
 namespace {
 
-// The nearest positive semidefinite matrix: negative eigenvalues become 0.
+// Negative eigenvalues become `kept` times themselves; with 0 this is the nearest positive semidefinite
+// matrix.
 template <class Matrix>
-void clamp_to_semidefinite(Eigen::Ref<Matrix> m) {
+void clamp_negative_part(Eigen::Ref<Matrix> m, double kept) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(m);
-  m = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-      eigen.eigenvectors().transpose();
+  const auto& values = eigen.eigenvalues();
+  m = eigen.eigenvectors() * values.cwiseMax(kept * values).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 }  // namespace
 
 void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state,
-                                  const VectorXd& lambda) {
+                                  const VectorXd& lambda, double kept) {
   const System& s = *system;
   geometric = kind != GeometricStiffness::kOff;
   if (!geometric) return;
   const bool clamp = kind == GeometricStiffness::kClamped;
   for (int k = 0; k < s.distance.size(); ++k) {
     double tension = -lambda[k];
-    if (clamp && tension < 0.0) tension = 0.0;
+    if (clamp && tension < 0.0) tension *= kept;
     // zero rest length at zero length: the limit of d phi / l is d
     geometric_distance[k] = length[k] > 0.0 ? sigma * tension / length[k] : sigma * s.distance.spring[k];
   }
@@ -222,7 +223,7 @@ void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const S
     Eigen::Map<Square> out(geometric_stencil.data() + stencil.matrix);
     row.hessian(state.q.data(), lambda.data() + stencil.first_row, out);
     out *= row.stiffness == 0.0 ? 0.0 : -sigma;
-    if (clamp) clamp_to_semidefinite<Square>(out);
+    if (clamp) clamp_negative_part<Square>(out, kept);
   });
 
   if (!s.forces.user.stiffness) return;
@@ -234,7 +235,7 @@ void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const S
     const int size = 3 * s.stencils[i].nodes;
     Eigen::Map<Eigen::MatrixXd> out(geometric_stencil.data() + s.stencils[i].matrix, size, size);
     out = (0.5 * sigma * (out + out.transpose())).eval();
-    if (clamp) clamp_to_semidefinite<Eigen::MatrixXd>(out);
+    if (clamp) clamp_negative_part<Eigen::MatrixXd>(out, kept);
   }
 }
 

@@ -56,9 +56,10 @@ struct Kkt {
   /// degenerate row or of a non-finite value.
   Status evaluate(const VectorXd& q, bool with_length = true);
   /// Fills sigma Kg at q for multipliers lambda (per row; the user force adds its stiffness). Call after
-  /// evaluate.
+  /// evaluate. `kept`: fraction of the negative part of each row's block that stays in kClamped, 0 to 1; 1 is
+  /// kFull.
   void set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state,
-                               const VectorXd& lambda);
+                               const VectorXd& lambda, double kept = 0.0);
 
   /// out = J v.
   void multiply_jacobian(const VectorXd& v, VectorXd& out) const;

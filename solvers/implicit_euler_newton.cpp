@@ -20,6 +20,10 @@ constexpr double kStalledButGood =
     1e-9;  // residual at which a Newton that no longer contracts has reached rounding
 constexpr double kRoundings = 4.0 * 2.2e-16;  // nothing can be solved below a few roundings of q
 constexpr int kMostCuts = 30;
+// Fraction of the negative part of Kg in the matrix: less after an indefinite matrix, more after a good one.
+// On buckling cloth this needs half the factorisations of "all or nothing".
+constexpr double kKeptShrinks = 0.5, kKeptGrows = 1.25;
+constexpr double kLeastKept = 1.0 / 16.0;  // below: none
 
 Status not_converged(double relative) {
   char text[96];
@@ -70,15 +74,16 @@ Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
   lambda_ = at.y / dt;
   kkt_.p = -at.residual;
   kkt_.r = at.g;
-  Status status;
-  for (GeometricStiffness kind : {GeometricStiffness::kFull, GeometricStiffness::kClamped}) {
-    kkt_.set_geometric_stiffness(kind, dt * dt, at.state, lambda_);
-    status = solver_.factor(kkt_);
+  for (;;) {
+    const GeometricStiffness kind = kept_ == 1.0 ? GeometricStiffness::kFull : GeometricStiffness::kClamped;
+    kkt_.set_geometric_stiffness(kind, dt * dt, at.state, lambda_, kept_);
+    Status status = solver_.factor(kkt_);
     if (status.ok()) status = solver_.solve(kkt_, dv_, dy_).status;
-    if (status.code != StatusCode::kSingular) return status;
+    if (status.ok()) kept_ = std::min(1.0, kKeptGrows * std::max(kept_, kLeastKept));
+    if (status.code != StatusCode::kSingular || kept_ == 0.0) return status;
     ++counts_.indefinite_matrices;
+    kept_ = kept_ > kLeastKept ? kKeptShrinks * kept_ : 0.0;
   }
-  return status;
 }
 
 double ImplicitEulerNewton::merit(double dt, const State& start, const Iterate& at, double& magnitude) const {
@@ -112,7 +117,9 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
       std::swap(at, trial_);
       return {};
     }
-    return evaluate(dt, start, at);  // no better: stay, with the rows as they are there
+    // no better: stay, with the rows as they are there
+    if (Status status = evaluate(dt, start, at); !status.ok()) return status;
+    if (at.relative <= kStalledButGood || system_->has_hard_rows) return {};
   }
   // slope of Phi + penalty along (dv, dy): G.dv on soft rows; the penalty falls by its linearised violation
   frozen_force_ = external_;
@@ -158,6 +165,7 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   kkt_.set_step(dt * dt, dt);
   evaluate_phi(s, state.q, phi_start_);
   penalty_ = 0.0;
+  kept_ = 1.0;
 
   // start from rest at q_n: the first iterate is the linearised step
   at_.state.v = VectorXd::Zero(state.v.size());

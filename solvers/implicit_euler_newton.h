@@ -7,8 +7,8 @@ namespace feder {
 /// Implicit Euler solved to convergence: full Newton with line search on the incremental potential
 ///   Phi(v) = 1/2 |v - v_n|_M^2 + dt/2 v.B v + sum_k W_k(phi_k(q')) + P(q'),   q' = q_n + dt v,
 ///   W = 1/dt (d (dt + tau) phi'^2 / 2 - d tau phi_n phi'),   P = potential of the external forces,
-/// plus mu |phi| on hard rows (exact penalty). Kg is full; where that matrix is not positive definite,
-/// clamped (counted).
+/// plus mu |phi| on hard rows (exact penalty). Kg is full; where that matrix is not positive definite, only
+/// part of its negative part is kept (counted).
 class ImplicitEulerNewton {
  public:
   static constexpr IntegratorInfo kInfo{
@@ -42,7 +42,7 @@ class ImplicitEulerNewton {
   Kkt kkt_;
   Iterate at_, trial_;
   VectorXd external_, phi_start_, dv_, dy_, lambda_, frozen_force_;
-  double penalty_ = 0.0;
+  double penalty_ = 0.0, kept_ = 1.0;  // kept_: fraction of the negative part of Kg
   StepCounts counts_;
 };
 

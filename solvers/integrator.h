@@ -14,7 +14,7 @@ struct IntegratorOptions {
   std::string route = "auto";  ///< linear route of the implicit ones
   SolveOptions solve = {};
   double newton_tolerance = 1e-14;  ///< relative residual of the momentum balance
-  int most_newton_iterations = 50;
+  int most_newton_iterations = 200;
 };
 
 /// What an integrator tells about itself.
@@ -32,7 +32,7 @@ struct StepCounts {
   long force_evaluations = 0;
   long newton_iterations = 0;
   long line_search_cuts = 0;
-  long indefinite_matrices = 0;  ///< full Kg was not positive definite; the clamped one was used instead
+  long indefinite_matrices = 0;  ///< with the Kg tried; tried again with less of its negative part
 };
 
 /// Seconds of the phases of a step that are not the linear solver's.

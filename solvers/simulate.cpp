@@ -69,12 +69,11 @@ void run(const System& system, T& integrator, State& state, History& history, co
     if (!result.status.ok()) break;
     state.t = last ? end : std::fma(static_cast<double>(n + 1), options.dt, t0);
     result.steps = n + 1;
-    if (last || n % kCheckEvery == kCheckEvery - 1) {
-      result.status = check(state);
-      if (result.status.ok() && options.max_seconds > 0.0 && seconds_since(start) > options.max_seconds)
-        result.status = Status::failure(StatusCode::kLimitReached,
-                                        "wall-clock budget used up at t = " + std::to_string(state.t) + " s");
-    }
+    if (last || n % kCheckEvery == kCheckEvery - 1) result.status = check(state);
+    if (result.status.ok() && !last && options.max_seconds > 0.0 &&
+        seconds_since(start) > options.max_seconds)
+      result.status = Status::failure(StatusCode::kLimitReached,
+                                      "wall-clock budget used up at t = " + std::to_string(state.t) + " s");
     if (options.observer && result.status.ok() && !options.observer(state, history))
       result.status = Status::failure(StatusCode::kInterrupted, "stopped by the observer");
   }

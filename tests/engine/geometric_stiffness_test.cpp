@@ -108,6 +108,22 @@ TEST(GeometricStiffness, FullPlusJacobianPartIsTheHessianOfTheEnergyForEveryRowT
   }
 }
 
+TEST(GeometricStiffness, KeepsTheFractionOfTheNegativePartThatIsAskedFor) {
+  for (const Single& single : single_rows()) {
+    const auto& [s, state] = single.scene;
+    const VectorXd lambda = spring_lambda(s, state.q);
+    auto matrix = [&](GeometricStiffness kind, double kept) {
+      Kkt kkt = with_geometric(s, state, GeometricStiffness::kOff, 1.0, lambda);
+      kkt.set_geometric_stiffness(kind, 1.0, state, lambda, kept);
+      return geometric_by_columns(kkt);
+    };
+    const MatrixXd full = matrix(GeometricStiffness::kFull, 0.0), positive = positive_part(full);
+    EXPECT_LT(largest(matrix(GeometricStiffness::kClamped, 0.3) - positive - 0.3 * (full - positive)),
+              1e-13 * largest(full))
+        << single.name;  // 2e-15
+  }
+}
+
 TEST(GeometricStiffness, FullPlusJacobianPartIsMinusTheDerivativeOfTheForces) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Scene scene = mixed_scene(seed, {.rods = false, .damping = false});

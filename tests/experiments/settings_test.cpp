@@ -84,6 +84,11 @@ TEST(LogGrid, HasExactEndsAndAConstantRatio) {
     EXPECT_NEAR(grid[i] / grid[i - 1], std::pow(10, 0.25), 1e-13);  // 9e-15
 }
 
+TEST(LogGrid, HitsDecadesExactly) {
+  EXPECT_EQ(parse_numbers("test", "1e2:1e8:7"), (std::vector<double>{1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8}));
+  EXPECT_EQ(parse_numbers("test", "1e-6:1e-3:4"), (std::vector<double>{1e-6, 1e-5, 1e-4, 1e-3}));
+}
+
 TEST(LogGrid, MayRunDownwards) {
   EXPECT_EQ(parse_numbers("test", "8:2:2"), (std::vector<double>{8, 2}));
 }

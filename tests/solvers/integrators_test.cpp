@@ -336,6 +336,20 @@ TEST(ImplicitEulerNewton, ConvergesOnTheHangingChainWithStiffSpringsAtAFrameStep
   EXPECT_LT(phi.cwiseAbs().maxCoeff() / 0.01, 1e-2);  // strain
 }
 
+// Wrinkles: compressed springs make the full matrix indefinite, and some steps pass a saddle.
+TEST(ImplicitEulerNewton, ConvergesOnBucklingClothAtAFrameStep) {
+  Model model = make_model("S2(20)");
+  ImplicitEulerNewton newton(model.system, {});
+  ASSERT_TRUE(newton.prepare().ok());
+  History history;
+  for (int n = 0; n < 60; ++n) {
+    const Status status = newton.step(1.0 / 60.0, model.state, history, nullptr);
+    ASSERT_TRUE(status.ok()) << "step " << n << ": " << status.reason;
+  }
+  EXPECT_GT(newton.counts().indefinite_matrices, 10);                        // 41
+  EXPECT_LT(newton.counts().newton_iterations, 25 * newton.counts().steps);  // 10 per step
+}
+
 TEST(TautString, StabilityLimitOfTheNotesStepIsSharp) {
   const Model model =
       make_model("taut_string:modes=-1:1e-9");  // the mode that goes first, tiny: tilted links stiffen
