@@ -50,11 +50,11 @@ std::vector<double> log_grid(const std::string& place, std::string_view text) {
   if (!positive(lo) || !positive(hi) || !count || *count < 2 || *count > kLargestGrid)
     fail(place, text, expected);
   std::vector<double> grid(static_cast<std::size_t>(*count));
-  const long double from = *lo, to = *hi;
+  const long double from = std::log10(*lo), to = std::log10(*hi);
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    // in base 10 and extended precision: decades come out exactly
+    // base 10, powers in extended precision: decades come out exactly
     const long double fraction = static_cast<long double>(i) / static_cast<long double>(grid.size() - 1);
-    grid[i] = static_cast<double>(std::pow(10.0L, std::lerp(std::log10(from), std::log10(to), fraction)));
+    grid[i] = static_cast<double>(std::pow(10.0L, std::lerp(from, to, fraction)));
   }
   grid.front() = *lo;
   grid.back() = *hi;
