@@ -1,7 +1,8 @@
 // Unknowns v' and y = dt lambda. With q' = q_n + dt v':
 //   G = M (v' - v_n) + dt B v' - dt f_ext - J(q')^T y = 0
-//   g = gamma y + phi(q')/dt - tau phi(q_n) / (dt (dt + tau)) = 0       (soft rows: solved for y, so g = 0
-//   always)
+//   g = gamma y + phi(q')/dt - tau phi(q_n) / (dt (dt + tau)) = 0
+// Far away soft rows take y from g = 0. Near the solution y is an unknown like v: taken from phi it would carry
+// the rounding of q times the stiffness into the balance.
 // Newton: [Mt, -J^T; -J, -gamma] (dv, dy) = (-G, g),  Mt = M + dt B + dt^2 Kg(y/dt).  Phi's gradient is G.
 // Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v'; what Newton left of G shows as
 // imbalance.
@@ -19,6 +20,9 @@ constexpr double kNear =
 constexpr double kStalledButGood =
     1e-9;  // residual at which a Newton that no longer contracts has reached rounding
 constexpr double kRoundings = 4.0 * 2.2e-16;  // nothing can be solved below a few roundings of q
+constexpr double kFlat =
+    0.8;  // fraction of the linear decrease above which a full step is made longer; 0.5 is Newton's own
+constexpr double kLongest = 1e6;
 constexpr int kMostCuts = 30;
 // Fraction of the negative part of Kg in the matrix: less after an indefinite matrix, more after a good one.
 // On buckling cloth this needs half the factorisations of "all or nothing".
@@ -37,18 +41,20 @@ Status ImplicitEulerNewton::prepare() {
   return solver_.analyze(*system_, true);
 }
 
-Status ImplicitEulerNewton::evaluate(double dt, const State& start, Iterate& at) {
+Status ImplicitEulerNewton::evaluate(double dt, const State& start, Multipliers multipliers, Iterate& at) {
   const System& s = *system_;
+  at.multipliers = multipliers;
   at.state.t = start.t + dt;
   at.state.q = start.q + dt * at.state.v;
   ++counts_.force_evaluations;
   if (Status status = kkt_.evaluate(at.state.q); !status.ok()) return status;
   at.phi = kkt_.phi;
 
-  // rows: soft ones give y, hard ones keep theirs
+  // rows
   const auto tau = s.damping_time.array();
   at.g = at.phi.array() / dt - tau * phi_start_.array() / (dt * (dt + tau));
-  for (int k = 0; k < s.rows; ++k)
+  if (multipliers == Multipliers::kOwn) at.g += kkt_.gamma.cwiseProduct(at.y);
+  for (int k = 0; multipliers == Multipliers::kOfPhi && k < s.rows; ++k)
     if (kkt_.gamma[k] > 0.0) {
       at.y[k] = -at.g[k] * kkt_.inverse_gamma[k];
       at.g[k] = 0.0;
@@ -112,14 +118,16 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
   if (at.relative <= kNear) {
     trial_.state.v = at.state.v + dv_;
     trial_.y = at.y + dy_;
-    if (Status status = evaluate(dt, start, trial_); !status.ok()) return status;
+    if (Status status = evaluate(dt, start, Multipliers::kOwn, trial_); !status.ok()) return status;
     if (trial_.relative < at.relative) {
       std::swap(at, trial_);
       return {};
     }
     // no better: stay, with the rows as they are there
-    if (Status status = evaluate(dt, start, at); !status.ok()) return status;
-    if (at.relative <= kStalledButGood || system_->has_hard_rows) return {};
+    const bool stay = at.relative <= kStalledButGood || system_->has_hard_rows;
+    if (Status status = evaluate(dt, start, stay ? at.multipliers : Multipliers::kOfPhi, at);
+        !status.ok() || stay)
+      return status;
   }
   // slope of Phi + penalty along (dv, dy): G.dv on soft rows; the penalty falls by its linearised violation
   frozen_force_ = external_;
@@ -142,7 +150,7 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
   for (int cut = 0; cut <= kMostCuts; ++cut, step *= 0.5) {
     trial_.state.v = at.state.v + step * dv_;
     trial_.y = at.y + step * dy_;
-    status = evaluate(dt, start, trial_);
+    status = evaluate(dt, start, Multipliers::kOfPhi, trial_);
     if (status.ok()) {
       const double after = merit(dt, start, trial_, trial_magnitude);
       // rounding of q moves W by lambda dphi
@@ -151,13 +159,33 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
           kRoundings * at.state.q.lpNorm<Eigen::Infinity>() * (at.y.lpNorm<1>() + trial_.y.lpNorm<1>()) / dt;
       if (after <= before + kArmijo * step * slope + noise) {
         std::swap(at, trial_);
-        return {};
+        return cut == 0 ? lengthen(dt, start, before, slope, at) : Status{};
       }
     }
     ++counts_.line_search_cuts;
   }
   return Status::failure(StatusCode::kNotConverged,
                          "line search found no decrease of the incremental potential");
+}
+
+// Doubles a full step as long as the merit falls almost as the slope says: there the matrix overestimates the
+// curvature (what was clamped, or a saddle near by), and short steps would creep.
+Status ImplicitEulerNewton::lengthen(double dt, const State& start, double before, double slope,
+                                     Iterate& at) {
+  double magnitude = 0.0, reached = merit(dt, start, at, magnitude);
+  if (!(reached <= before + kFlat * slope)) return {};
+  const VectorXd v = at.state.v - dv_;
+  for (double step = 2.0; step < kLongest; step *= 2.0) {
+    trial_.state.v = v + step * dv_;
+    trial_.y = at.y;
+    const Status status = evaluate(dt, start, Multipliers::kOfPhi, trial_);
+    const double after = status.ok() ? merit(dt, start, trial_, magnitude) : HUGE_VAL;
+    if (!(after < reached)) return evaluate(dt, start, Multipliers::kOfPhi, at);
+    std::swap(at, trial_);
+    reached = after;
+    if (!(after <= before + kFlat * step * slope)) return {};
+  }
+  return {};
 }
 
 Status ImplicitEulerNewton::step(double dt, State& state, History& history, EnergyLedger* ledger) {
@@ -171,7 +199,7 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   at_.state.v = VectorXd::Zero(state.v.size());
   at_.y = VectorXd::Zero(s.rows);
   if (s.has_hard_rows && history.lambda.size() == s.rows) at_.y = dt * history.lambda;
-  if (Status status = evaluate(dt, state, at_); !status.ok()) return status;
+  if (Status status = evaluate(dt, state, Multipliers::kOfPhi, at_); !status.ok()) return status;
   bool converged = false;
   for (int i = 0; i < options_.most_newton_iterations && !converged; ++i) {
     const double before = at_.relative;

@@ -24,16 +24,19 @@ class ImplicitEulerNewton {
   LinearSolver& solver() { return solver_; }
 
  private:
+  enum class Multipliers { kOfPhi, kOwn };  // y of the soft rows: from phi, so that g = 0, or an unknown
   struct Iterate {
+    Multipliers multipliers = Multipliers::kOfPhi;
     State state;            // t_next, q', v'
     VectorXd phi, y;        // rows at q', y = dt lambda
     VectorXd residual, g;   // of the momentum balance and of the rows
     double relative = 0.0;  // |residual| against its terms, and |g| likewise
   };
-  Status evaluate(double dt, const State& start, Iterate& at);
+  Status evaluate(double dt, const State& start, Multipliers multipliers, Iterate& at);
   Status solve_direction(double dt, const Iterate& at);
   double merit(double dt, const State& start, const Iterate& at, double& magnitude) const;
   Status line_search(double dt, const State& start, Iterate& at);
+  Status lengthen(double dt, const State& start, double before, double slope, Iterate& at);
   void keep_books(double dt, const State& start, const Iterate& end, EnergyLedger& ledger) const;
 
   const System* system_;

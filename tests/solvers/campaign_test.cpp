@@ -1,0 +1,116 @@
+// Random searches: the claims of the other tests over thousands of random systems. 1 % runs with every test;
+// all of it with `tests/run -L campaign`.
+#include "tests/support/campaign.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "engine/kernels.h"
+#include "solvers/simulate.h"
+#include "tests/solvers/random_system.h"
+
+namespace feder {
+namespace {
+
+using test::campaign_cases;
+using test::random_system;
+using test::RandomSystemOptions;
+
+/// Sizes, stiffness, damping, rods and step of case number `seed`.
+struct Draw {
+  RandomSystemOptions system;
+  double dt;
+};
+
+Draw draw(unsigned seed) {
+  std::mt19937 random(seed + 1'000'000);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Draw d;
+  d.system.particles = 3 + static_cast<int>(random() % 40);
+  d.system.stiffness = std::pow(10.0, 8.0 * unit(random));
+  d.system.damping_time = random() % 2 ? std::pow(10.0, -4.0 * unit(random)) : 0.0;
+  d.system.rods = static_cast<int>(random() % 3) * static_cast<int>(random() % 6);
+  d.system.bending = random() % 2;
+  d.system.loops = random() % 2;
+  d.dt = std::pow(10.0, -1.0 - 3.0 * unit(random));
+  return d;
+}
+
+TEST(Campaign, RoutesThatAdmitASceneSolveItsStepMatrix) {
+  int solved = 0, refused = 0, failed = 0;
+  for (int seed = 0; seed < campaign_cases(20000); ++seed) {
+    const Draw d = draw(seed);
+    const auto [system, state] = random_system(seed, d.system);
+    const GeometricStiffness kind = seed % 2 ? GeometricStiffness::kClamped : GeometricStiffness::kOff;
+    const Kkt kkt = test::implicit_euler_kkt(system, state, d.dt, kind);
+    VectorXd dense_v;
+    for (const char* route : {"dense", "kkt", "primal", "dual", "auto"}) {
+      LinearSolver solver(route, {.refine_above = 1e-15});
+      Status status = solver.analyze(system, kkt.geometric);
+      if (status.code == StatusCode::kRefused) {
+        ++refused;
+        continue;
+      }
+      if (status.ok()) status = solver.factor(kkt);
+      VectorXd v, y;
+      if (status.ok()) status = solver.solve(kkt, v, y).status;
+      if (!status.ok()) {  // at 1e8 N/m: it may fail, not lie
+        ++failed;
+        continue;
+      }
+      if (dense_v.size() == 0) dense_v = v;
+      EXPECT_LT((v - dense_v).norm(), 1e-8 * dense_v.norm()) << "seed " << seed << " " << route;
+      ++solved;
+    }
+  }
+  EXPECT_GT(solved, 2 * refused);
+  EXPECT_LE(failed, solved / 1000);  // 14 of 78000
+}
+
+TEST(Campaign, LedgersOfImplicitStepsClose) {
+  int closed = 0, failed = 0;
+  for (int seed = 0; seed < campaign_cases(5000); ++seed) {
+    const Draw d = draw(seed);
+    const auto [system, start] = random_system(seed, d.system);
+    for (const IntegratorInfo& method : integrator_list()) {
+      const std::string name = method.name;
+      Integrator integrator = make_integrator(name, system);
+      if (!info(integrator).implicit) continue;
+      State state = start;
+      History history;
+      std::vector<EnergyLedger> ledgers;
+      const RunResult run = simulate(system, integrator, state, history,
+                                     {.dt = d.dt, .end_time = 3.5 * d.dt, .ledgers = &ledgers});
+      if (!run.status.ok()) {  // edges collapse: it may fail, not lie
+        ++failed;
+        continue;
+      }
+      const double bound =
+          1e-8;  // 4e-9, at stiffnesses up to 1e9 N/m; the tests of single scenes ask for 1e-12
+      for (const EnergyLedger& ledger : ledgers) {
+        EXPECT_LT(std::abs(ledger.imbalance()), bound * ledger.magnitude()) << "seed " << seed << " " << name;
+        ++closed;
+      }
+    }
+  }
+  EXPECT_GT(closed, campaign_cases(5000) * 10);  // of 12 each
+  EXPECT_LT(failed, campaign_cases(5000) / 5);   // nearly all Newton
+}
+
+TEST(Campaign, VectorKernelsAgreeWithTheScalarOnes) {
+  const std::string widest = kernels().name;
+  for (int seed = 0; seed < campaign_cases(20000); ++seed) {
+    const auto [system, state] = random_system(seed, draw(seed).system);
+    VectorXd scalar, vector;
+    ASSERT_TRUE(select_kernels("scalar"));
+    ASSERT_TRUE(evaluate_forces(system, state, scalar).ok());
+    ASSERT_TRUE(select_kernels(widest.c_str()));
+    ASSERT_TRUE(evaluate_forces(system, state, vector).ok());
+    EXPECT_LT((scalar - vector).norm(), 1e-14 * scalar.norm()) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace feder
