@@ -11,6 +11,7 @@
 
 #include "engine/check.h"
 #include "experiments/support/experiment.h"
+#include "experiments/support/quad_reference.h"
 #include "experiments/support/timing.h"
 #include "models/chain.h"
 #include "models/cloth.h"
@@ -20,9 +21,6 @@
 
 namespace feder::experiments {
 namespace {
-
-__extension__ using Quad = __float128;
-using QuadVector = std::vector<Quad>;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -99,73 +97,6 @@ Status linearise(const System& s, const State& state, Kkt& kkt) {
   return status;
 }
 
-// ---- The reference
-
-struct Reference {
-  VectorXd v;
-  double error = kNaN;  // NaN if there is none
-};
-
-double mass_norm(const System& s, const VectorXd& v) {
-  return std::sqrt(s.inertia.cwiseProduct(v).dot(v));
-}
-
-// p - M v + J^T y and r + J v + gamma y; the scenes have distance rows only.
-void quad_residual(const Kkt& kkt, const QuadVector& v, const QuadVector& y, Kkt& out) {
-  const System& s = *kkt.system;
-  QuadVector force(v.size());
-  for (std::size_t i = 0; i < v.size(); ++i) force[i] = Quad(kkt.p[i]) - Quad(kkt.mass[i]) * v[i];
-  for (int k = 0; k < s.rows; ++k) {
-    const int a = 3 * s.distance.a[k], b = 3 * s.distance.b[k];
-    Quad row = Quad(kkt.r[k]) + Quad(kkt.gamma[k]) * y[k];
-    for (int c = 0; c < 3; ++c) {
-      const Quad u = kkt.u[3 * k + c];
-      row += u * (v[b + c] - v[a + c]);
-      force[a + c] -= u * y[k];
-      force[b + c] += u * y[k];
-    }
-    out.r[k] = s.stiffness[k] > 0.0 ? static_cast<double>(row) : 0.0;
-  }
-  for (std::size_t i = 0; i < v.size(); ++i)
-    out.p[i] = s.inverse_mass[i] > 0.0 ? static_cast<double>(force[i]) : 0.0;
-}
-
-// Refinement of the solution by one route until the corrections no longer shrink.
-Reference refine_in_quad(const Kkt& kkt, const std::string& route) {
-  constexpr int kMostRounds = 40;
-  constexpr double kEnough = 1e-20;
-  const System& s = *kkt.system;
-  LinearSolver solver(route, {.accept_below = kInfinity, .most_refinements = 0});
-  if (!solver.analyze(s, false).ok() || !solver.factor(kkt).ok()) return {};
-  QuadVector v(3 * static_cast<std::size_t>(s.nodes), 0), y(static_cast<std::size_t>(s.rows), 0);
-  Kkt residual = kkt;
-  VectorXd dv, dy;
-  Reference reference{VectorXd::Zero(3 * s.nodes)};
-  for (int round = 0; round < kMostRounds; ++round) {
-    quad_residual(kkt, v, y, residual);
-    if (!solver.solve(residual, dv, dy).status.ok()) return {};
-    for (int i = 0; i < dv.size(); ++i) v[static_cast<std::size_t>(i)] += dv[i];
-    for (int k = 0; k < dy.size(); ++k) y[static_cast<std::size_t>(k)] += dy[k];
-    for (int i = 0; i < dv.size(); ++i) reference.v[i] = static_cast<double>(v[static_cast<std::size_t>(i)]);
-    const double correction = mass_norm(s, dv) / mass_norm(s, reference.v);
-    if (round > 1 && !(correction < 0.9 * reference.error)) break;
-    reference.error = correction;
-    if (correction < kEnough) break;
-  }
-  return reference;
-}
-
-// By the route whose refinement ends lowest.
-Reference solve_reference(const Kkt& kkt) {
-  Reference best;
-  for (const char* route : {"kkt", "dual"}) {
-    Reference candidate = refine_in_quad(kkt, route);
-    if (!(best.error <= candidate.error)) best = std::move(candidate);
-    if (best.error < 1e-16) break;
-  }
-  return best;
-}
-
 // ---- One route
 
 struct Outcome {
@@ -204,7 +135,7 @@ void time_phases(const Kkt& kkt, LinearSolver& solver, int repeats, Outcome& out
   out.seconds_solve = median(solve);
 }
 
-Outcome try_route(const Kkt& kkt, const std::string& route, const Reference& reference, int repeats) {
+Outcome try_route(const Kkt& kkt, const std::string& route, const QuadReference& reference, int repeats) {
   const System& s = *kkt.system;
   const SolveOptions once{.accept_below = kInfinity, .most_refinements = 0};
   Outcome out;
@@ -252,7 +183,7 @@ Cell if_finite(double x) {
 }
 
 void add_row(Table& table, const Case& c, const System& s, const std::string& route, bool chosen,
-             const Reference& reference, const Outcome& out, double fastest) {
+             const QuadReference& reference, const Outcome& out, double fastest) {
   const SolveReport& report = out.report;
   const auto timed = [&](double x) { return out.timed() ? if_finite(x) : Cell(); };
   const Inertia& inertia = report.inertia;
@@ -303,7 +234,7 @@ void run_case(Context& context, const Case& c, Table& choices) {
   disturb(system, context.settings.number("disturbance"), context.seed, state);
   Kkt kkt;
   if (Status status = linearise(system, state, kkt); !status.ok()) return context.fail(std::move(status));
-  const Reference reference = solve_reference(kkt);
+  const QuadReference reference = quad_reference(kkt);
 
   // all routes; dense only where it ends soon
   std::vector<std::string> routes = route_names();
