@@ -173,12 +173,12 @@ TEST_P(Residual, IsNanIfAnythingIsNotFinite) {
       EXPECT_TRUE(std::isnan(x.kkt.residual_size(x.v, y).backward_error));
       EXPECT_TRUE(std::isnan(x.kkt.residual_size(x.v, y).balance_error));
     }
-    Problem spoiled = some_problem(2, GetParam());
-    spoiled.kkt.p[20] = bad;
-    EXPECT_TRUE(std::isnan(spoiled.kkt.residual_size(x.v, x.y).backward_error));
-    spoiled = some_problem(2, GetParam());
-    spoiled.kkt.r[0] = bad;
-    EXPECT_TRUE(std::isnan(spoiled.kkt.residual_size(x.v, x.y).backward_error));
+    Kkt spoiled = x.kkt;
+    spoiled.p[20] = bad;
+    EXPECT_TRUE(std::isnan(spoiled.residual_size(x.v, x.y).backward_error));
+    spoiled = x.kkt;
+    spoiled.r[0] = bad;
+    EXPECT_TRUE(std::isnan(spoiled.residual_size(x.v, x.y).backward_error));
   }
 }
 
