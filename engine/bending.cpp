@@ -47,7 +47,7 @@ void gradient_to_nodes(const Vector3d& by_a, const Vector3d& by_b, double* row) 
   Eigen::Map<Vector3d>(row + 6) = by_b;
 }
 
-void hessian_to_nodes(const Matrix6d& h, Eigen::Ref<Matrix9d> out) {
+void hessian_to_nodes(const Matrix6d& h, Eigen::Ref<Eigen::MatrixXd> out) {
   const Matrix3d aa = h.topLeftCorner<3, 3>(), ab = h.topRightCorner<3, 3>(), ba = h.bottomLeftCorner<3, 3>(),
                  bb = h.bottomRightCorner<3, 3>();
   out.block<3, 3>(0, 0) = aa;
@@ -94,7 +94,7 @@ bool CurvatureRow::evaluate(const double* q, double* phi, double* jacobian) cons
   return true;
 }
 
-void CurvatureRow::hessian(const double* q, const double* lambda, Eigen::Ref<Matrix9d> out) const {
+void CurvatureRow::hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::MatrixXd> out) const {
   const Edges e = edges(nodes, q);
   const double D = e.length_a * e.length_b + e.a.dot(e.b);
   if (!(D > kDegenerateSine * e.length_a * e.length_b)) {
@@ -138,7 +138,7 @@ bool AngleRow::evaluate(const double* q, double* phi, double* jacobian) const {
   return true;
 }
 
-void AngleRow::hessian(const double* q, const double* lambda, Eigen::Ref<Matrix9d> out) const {
+void AngleRow::hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::MatrixXd> out) const {
   const Edges e = edges(nodes, q);
   const Vector3d c = e.a.cross(e.b);
   const double sine = c.norm(), a2 = e.a.squaredNorm(), b2 = e.b.squaredNorm();

@@ -19,6 +19,7 @@ struct CurvatureRow {
   static constexpr bool kMayBeRigid = false;
 
   std::array<int, 3> nodes{};
+  static constexpr int count() { return kNodes; }
   double stiffness = 0.0;     ///< d [N m], finite
   double damping_time = 0.0;  ///< tau [s]
 
@@ -28,7 +29,7 @@ struct CurvatureRow {
   /// degenerate (an edge of length 0 or folded back, psi = pi); then phi and jacobian are 0.
   bool evaluate(const double* q, double* phi, double* jacobian) const;
   /// sum_i lambda_i Hess phi_i over (x0, x1, x2), 9 x 9.
-  void hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::Matrix<double, 9, 9>> out) const;
+  void hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::MatrixXd> out) const;
 };
 
 /// Bending with a curved rest state: phi = psi - psi0, psi = atan2(|a x b|, a.b) in (0, pi).
@@ -41,13 +42,14 @@ struct AngleRow {
   static constexpr bool kMayBeRigid = true;
 
   std::array<int, 3> nodes{};
+  static constexpr int count() { return kNodes; }
   double stiffness = 0.0;     ///< d [N m], may be infinite
   double damping_time = 0.0;  ///< tau [s]
   double rest_angle = 0.0;    ///< psi0 [rad], inside (0, pi)
 
   void check(const std::string& where) const;
   bool evaluate(const double* q, double* phi, double* jacobian) const;
-  void hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::Matrix<double, 9, 9>> out) const;
+  void hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::MatrixXd> out) const;
 };
 
 }  // namespace feder

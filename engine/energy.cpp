@@ -26,7 +26,7 @@ double row_energy(const System& s, const State& state) {
 
 double external_energy(const System& s, const State& state) {
   const double potential = s.forces.user.potential ? s.forces.user.potential(state.t, state.q) : 0.0;
-  return potential - s.forces.constant.dot(state.q);
+  return potential - s.forces.constant.head(3 * s.places()).dot(state.q.head(3 * s.places()));
 }
 
 double total_energy(const System& s, const State& state) {
@@ -41,8 +41,11 @@ Vector3d linear_momentum(const System& s, const State& state) {
 
 Vector3d angular_momentum(const System& s, const State& state) {
   Vector3d sum = Vector3d::Zero();
-  for (int i = 0; i < s.nodes; ++i)
+  for (int i = 0; i < s.places(); ++i)
     sum += s.mass[i] * Vector3d(state.q.segment<3>(3 * i)).cross(Vector3d(state.v.segment<3>(3 * i)));
+  for (const Body& b : s.bodies)
+    sum += rotation_matrix(state.q.data() + b.quaternion) *
+           b.moments.cwiseProduct(Vector3d(state.v.segment<3>(3 * b.spin)));
   return sum;
 }
 

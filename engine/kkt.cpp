@@ -70,20 +70,19 @@ Status add_row_forces(const System& s, const State& state, VectorXd& f) {
   Status status;
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
     if (!status.ok() || row.stiffness == 0.0 || std::isinf(row.stiffness)) return;
-    constexpr int kRows = std::decay_t<decltype(row)>::kRows,
-                  kColumns = 3 * std::decay_t<decltype(row)>::kNodes;
-    double phi[kRows], jacobian[kRows * kColumns];
+    constexpr int kRows = std::decay_t<decltype(row)>::kRows;
+    const int columns = 3 * row.count();
+    double phi[kRows], jacobian[kRows * 3 * std::decay_t<decltype(row)>::kNodes];
     if (!row.evaluate(state.q.data(), phi, jacobian)) status = degenerate(s, stencil, state.q);
     for (int i = 0; i < kRows; ++i) {
       double lambda = -row.stiffness * phi[i];
       if constexpr (kDamped) {
         double rate = 0.0;
-        for (int c = 0; c < kColumns; ++c)
-          rate += jacobian[kColumns * i + c] * state.v[3 * row.nodes[c / 3] + c % 3];
+        for (int c = 0; c < columns; ++c)
+          rate += jacobian[columns * i + c] * state.v[3 * row.nodes[c / 3] + c % 3];
         lambda -= row.stiffness * row.damping_time * rate;
       }
-      for (int c = 0; c < kColumns; ++c)
-        f[3 * row.nodes[c / 3] + c % 3] += lambda * jacobian[kColumns * i + c];
+      for (int c = 0; c < columns; ++c) f[3 * row.nodes[c / 3] + c % 3] += lambda * jacobian[columns * i + c];
     }
   });
   return status;
@@ -105,6 +104,7 @@ void evaluate_phi(const System& s, const VectorXd& q, VectorXd& phi) {
 
 void evaluate_external_forces(const System& s, const State& state, VectorXd& f) {
   f = s.forces.constant;
+  add_torques(s, state.q, f);
   if (!s.forces.user) return;
   s.forces.user.force(state.t, state.q, state.v, f);
   for (int i : s.masked) f[i] = 0.0;
@@ -190,12 +190,25 @@ Status Kkt::evaluate(const VectorXd& q, bool with_length) {
   return status;
 }
 
+void Kkt::take_spins_over_a_step(double dt, const VectorXd& v) {
+  const System& s = *system;
+  if (s.bodies.empty()) return;
+  for (const Stencil& stencil : s.stencils)
+    for (int i = 0; i < stencil.nodes; ++i) {
+      const int node = s.stencil_nodes[stencil.first_node + i];
+      if (node < s.places()) continue;
+      using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      Eigen::Map<Rows> J(jacobian.data() + stencil.jacobian, stencil.rows, 3 * stencil.nodes);
+      J.middleCols<3>(3 * i) *= right_jacobian(dt * v.segment<3>(3 * node));
+    }
+}
+
 namespace {
 
 // Negative eigenvalues become `kept` times themselves; with 0 this is the nearest positive semidefinite
 // matrix.
 template <class Matrix>
-void clamp_negative_part(Eigen::Ref<Matrix> m, double kept) {
+void clamp_negative_part(Eigen::Map<Matrix> m, double kept) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(m);
   const auto& values = eigen.eigenvalues();
   m = eigen.eigenvectors() * values.cwiseMax(kept * values).asDiagonal() * eigen.eigenvectors().transpose();
@@ -218,9 +231,10 @@ void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const S
   for (int k : s.inactive_distance) geometric_distance[k] = 0.0;
 
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
-    constexpr int kSize = 3 * std::decay_t<decltype(row)>::kNodes;
-    using Square = Eigen::Matrix<double, kSize, kSize>;
-    Eigen::Map<Square> out(geometric_stencil.data() + stencil.matrix);
+    constexpr int kMost = 3 * std::decay_t<decltype(row)>::kNodes;
+    const int size = 3 * row.count();
+    using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
+    Eigen::Map<Square> out(geometric_stencil.data() + stencil.matrix, size, size);
     row.hessian(state.q.data(), lambda.data() + stencil.first_row, out);
     out *= row.stiffness == 0.0 ? 0.0 : -sigma;
     if (clamp) clamp_negative_part<Square>(out, kept);

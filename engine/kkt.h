@@ -55,6 +55,9 @@ struct Kkt {
   /// phi, J (and nothing else) at q; `length` only if asked, as Kg needs it. Fails with the name of a
   /// degenerate row or of a non-finite value.
   Status evaluate(const VectorXd& q, bool with_length = true);
+  /// J of the spins by their velocity over a step instead of by their pose: columns times J_r(dt w), dt w the
+  /// angle turned since the step began. Call after evaluate; nothing to do without bodies.
+  void take_spins_over_a_step(double dt, const VectorXd& v);
   /// Fills sigma Kg at q for multipliers lambda (per row; the user force adds its stiffness). Call after
   /// evaluate. `kept`: fraction of the negative part of each row's block that stays in kClamped, 0 to 1; 1 is
   /// kFull.

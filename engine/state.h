@@ -15,12 +15,16 @@ inline constexpr FreeMask kPinned = 0;
 inline constexpr FreeMask kFree = 7;
 inline constexpr FreeMask kPlanarXY = 3;
 
-/// A place a row can hold on to. Particles and world points are nodes; their local point is the node itself.
+/// A place a row can hold on to: a node (particle or world point), or a point of a body.
 struct Anchor {
   int node = -1;
+  int body = -1;                      ///< body id; `node` is then unused
+  Vector3d point = Vector3d::Zero();  ///< in the axes the body was given in [m]
 };
 
-/// What moves: t [s], q [m] and v [m/s] with 3 numbers per node (world points included, at rest).
+/// What moves: t [s]; q: 3 numbers per particle, world point and centre of a body [m], then a unit quaternion
+/// (w, x, y, z) per body; v: 3 per node [m/s], the nodes of bodies being their centres and, last, their spins
+/// (angular velocity in principal axes [rad/s]). engine/body.h reads it in world axes.
 struct State {
   double t = 0.0;
   VectorXd q;

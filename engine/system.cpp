@@ -1,5 +1,6 @@
 #include "engine/system.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
@@ -32,7 +33,8 @@ std::string System::row_name(int row) const {
       const int head = first + (row - first) / Row::kRows * Row::kRows;
       for (std::size_t i = 0; i < row_of_id.size(); ++i)
         if (row_of_id[i] == head) id = static_cast<int>(i);
-      name = named(Row::kName, id, list[(row - first) / Row::kRows].nodes.data(), Row::kNodes);
+      const Row& element = list[(row - first) / Row::kRows];
+      name = named(Row::kName, id, element.nodes.data(), element.count());
     }
     first = end;
   });
@@ -67,7 +69,37 @@ Anchor SystemBuilder::add_world_point(const Vector3d& position) {
   return {node};
 }
 
+Anchor SystemBuilder::add_body(const MassProperties& properties, const BodyStart& start) {
+  const int id = static_cast<int>(bodies_.size());
+  const std::string where = "body " + std::to_string(id);
+  check_inertia(where, properties);
+  for (int c = 0; c < 3; ++c) {
+    require_finite(where, "position", start.position[c], "m");
+    require_finite(where, "velocity", start.velocity[c], "m/s");
+    require_finite(where, "angular velocity", start.angular_velocity[c], "rad/s");
+    if (!(start.free >> c & 1) && start.velocity[c] != 0.0)
+      fail_input(where, "velocity", start.velocity[c], "m/s", "0 along a masked coordinate");
+  }
+  if (start.free > kFree) fail_input(where, "free mask", start.free, "", "a value from 0 to 7");
+  if (start.free_spin > kFree)
+    fail_input(where, "free mask of the spin", start.free_spin, "", "a value from 0 to 7");
+  const double defect = (start.orientation.transpose() * start.orientation - Matrix3d::Identity()).norm();
+  if (!(defect <= 1e-9) || !(start.orientation.determinant() > 0.0))
+    fail_input(where, "orientation's distance from a rotation", defect, "", "a proper rotation");
+  bodies_.push_back({properties, start});
+  return {.body = id};
+}
+
+int SystemBuilder::require_anchor(const Anchor& anchor, const std::string& where) const {
+  if (anchor.body < 0) return require_node(anchor, where);
+  if (anchor.body >= static_cast<int>(bodies_.size()))
+    fail_input(where, "body", anchor.body, "",
+               "an existing body, 0 to " + std::to_string(static_cast<int>(bodies_.size()) - 1));
+  return anchor.body;
+}
+
 int SystemBuilder::require_node(Anchor anchor, const std::string& where) const {
+  if (anchor.body >= 0) fail_input(where, "body", anchor.body, "", "a particle or world point here");
   if (anchor.node < 0 || anchor.node >= static_cast<int>(nodes_.size()))
     fail_input(where, "node", anchor.node, "", "an existing node, 0 to " + std::to_string(nodes_.size() - 1));
   return anchor.node;
@@ -120,7 +152,7 @@ void lay_out_stencils(System& s) {
   };
   s.rows = s.distance.size();
   for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
-    for (const auto& row : list) append(row.nodes.data(), row.kNodes, row.kRows);
+    for (const auto& row : list) append(row.nodes.data(), row.count(), row.kRows);
   });
   for (const std::vector<int>& stencil : s.forces.user.stencils)
     append(stencil.data(), static_cast<int>(stencil.size()), 0);
@@ -147,48 +179,95 @@ void collect_row_materials(System& s) {
   s.has_damping = (s.stiffness.array() > 0.0 && s.damping_time.array() > 0.0).any();
 }
 
+// Principal axes; those given where they are principal already, so that masks mean what the user sees.
+PrincipalAxes axes_of(const MassProperties& p) {
+  const Matrix3d& I = p.inertia;
+  if (Matrix3d(I.diagonal().asDiagonal()) == I) return {Matrix3d::Identity(), I.diagonal()};
+  return principal_axes(p);
+}
+
 }  // namespace
 
+// Bodies take the nodes after the particles: centres first, then spins.
+void SystemBuilder::build_bodies(Built& out) const {
+  System& s = out.system;
+  const int particles = static_cast<int>(nodes_.size()), count = static_cast<int>(bodies_.size());
+  for (int i = 0; i < count; ++i) {
+    const auto& [properties, start] = bodies_[i];
+    const PrincipalAxes principal = axes_of(properties);
+    const Body b{particles + i,     particles + count + i, 3 * (particles + count) + 4 * i,
+                 principal.moments, principal.axes,        properties.centre};
+    s.bodies.push_back(b);
+    const Matrix3d R = start.orientation * principal.axes;
+    const Eigen::Quaterniond quaternion(R);
+    out.state.q.segment<3>(3 * b.centre) = start.position + start.orientation * properties.centre;
+    out.state.q.segment<4>(b.quaternion) << quaternion.w(), quaternion.x(), quaternion.y(), quaternion.z();
+    normalise(out.state.q.data() + b.quaternion);
+    out.state.v.segment<3>(3 * b.centre) = start.velocity;
+    const Vector3d w = R.transpose() * start.angular_velocity;
+    s.mass[b.centre] = properties.mass;
+    for (int c = 0; c < 3; ++c) {
+      s.inertia[3 * b.centre + c] = properties.mass;
+      s.inertia[3 * b.spin + c] = principal.moments[c];
+      const bool turns = start.free_spin >> c & 1;
+      if (!turns && std::abs(w[c]) > 1e-12 * w.norm())
+        fail_input("body " + std::to_string(i), "angular velocity", w[c], "rad/s",
+                   "0 about a masked principal axis");
+      out.state.v[3 * b.spin + c] = turns ? w[c] : 0.0;
+    }
+    s.free[b.centre] = start.free;
+    s.free[b.spin] = start.free_spin;
+  }
+}
+
 SystemBuilder::Built SystemBuilder::build() const {
-  if (nodes_.empty()) throw InputError("system: no nodes, expected at least one particle");
+  if (nodes_.empty() && bodies_.empty()) throw InputError("system: no nodes, expected at least one particle");
   for (int c = 0; c < 3; ++c) require_finite("system", "gravity", gravity_[c], "m/s^2");
   require_non_negative("system", "drag", drag_, "kg/s");
 
   Built out;
   System& s = out.system;
-  s.nodes = static_cast<int>(nodes_.size());
+  const int particles = static_cast<int>(nodes_.size()), bodies = static_cast<int>(bodies_.size());
+  s.nodes = particles + 2 * bodies;
   s.mass = VectorXd::Zero(s.nodes);
   s.inertia = s.inverse_mass = s.forces.constant = s.forces.drag = VectorXd::Zero(3 * s.nodes);
-  out.state.q = out.state.v = VectorXd::Zero(3 * s.nodes);
+  s.free.assign(s.nodes, kPinned);
+  out.state.q = VectorXd::Zero(3 * s.nodes + bodies);
+  out.state.v = VectorXd::Zero(3 * s.nodes);
   s.forces.gravity = gravity_;
   s.forces.user = user_;
   s.forces.has_drag = drag_ > 0.0;
-  for (int i = 0; i < s.nodes; ++i) {
-    const Node& node = nodes_[i];
-    s.mass[i] = node.mass;
-    s.free.push_back(node.free);
-    out.state.q.segment<3>(3 * i) = node.position;
-    out.state.v.segment<3>(3 * i) = node.velocity;
+  for (int i = 0; i < particles; ++i) {
+    s.mass[i] = nodes_[i].mass;
+    s.free[i] = nodes_[i].free;
+    s.inertia.segment<3>(3 * i).setConstant(nodes_[i].mass);
+    out.state.q.segment<3>(3 * i) = nodes_[i].position;
+    out.state.v.segment<3>(3 * i) = nodes_[i].velocity;
+  }
+  build_bodies(out);
+  for (int i = 0; i < s.nodes; ++i)
     for (int c = 0; c < 3; ++c) {
-      s.inertia[3 * i + c] = node.mass;
-      if (!(node.free >> c & 1)) {
+      if (!(s.free[i] >> c & 1)) {
         s.masked.push_back(3 * i + c);
         continue;
       }
       ++s.free_count;
-      s.inverse_mass[3 * i + c] = 1.0 / node.mass;
-      s.forces.constant[3 * i + c] = node.mass * gravity_[c];
-      s.forces.drag[3 * i + c] = drag_;
+      s.inverse_mass[3 * i + c] = 1.0 / s.inertia[3 * i + c];
+      s.forces.constant[3 * i + c] = s.mass[i] * gravity_[c];
+      s.forces.drag[3 * i + c] = i < s.places() ? drag_ : 0.0;
     }
-  }
   for (const auto& [node, force] : constant_)
     for (int c = 0; c < 3; ++c)
       if (nodes_[node].free >> c & 1) s.forces.constant[3 * node + c] += force[c];
 
   for (const std::vector<int>& stencil : user_.stencils)
     for (int node : stencil) (void)require_node({node}, "user force stencil");
-  s.distance = arrange_distance_rows(distance_, s.nodes);
+  s.distance = arrange_distance_rows(distance_, s.places());
   s.stencil_rows = stencil_rows_;
+  for_each_stencil_row_type(s.stencil_rows, [&](auto& list) {
+    for (auto& row : list)
+      if constexpr (requires { row.resolve(s.bodies); }) row.resolve(s.bodies);
+  });
   lay_out_stencils(s);
   collect_row_materials(s);
 

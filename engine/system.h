@@ -6,19 +6,23 @@
 #include <utility>
 #include <vector>
 
+#include "engine/anchor_rows.h"
 #include "engine/bending.h"
+#include "engine/body.h"
 #include "engine/check.h"
 #include "engine/distance.h"
 #include "engine/forces.h"
+#include "engine/mass_properties.h"
 #include "engine/state.h"
 
 namespace feder {
 
-/// THE LIST of row types beside distance rows. A type has kNodes, kRows, kName, nodes, stiffness,
-/// damping_time, evaluate() and hessian() (see CurvatureRow); adding one is its file pair and its name here.
+/// THE LIST of row types beside distance rows. A type has kNodes (at most), kRows, kName, nodes, count(),
+/// stiffness, damping_time, evaluate() and hessian() (see CurvatureRow; rows between anchors: BallRow);
+/// adding one is its file pair and its name here.
 template <class... Type>
 using RowLists = std::tuple<std::vector<Type>...>;
-using StencilRows = RowLists<CurvatureRow, AngleRow>;
+using StencilRows = RowLists<CurvatureRow, AngleRow, BallRow, AnchorDistanceRow, PerpendicularRow>;
 
 /// A dense block of the step matrix over a few nodes: the rows of one stencil row element, or (rows = 0) the
 /// stiffness of a user force.
@@ -35,12 +39,16 @@ struct Stencil {
 ///
 /// Rows are numbered: distance slots (padding included), then the scalar rows of each stencil row type in
 /// list order.
+/// Nodes are numbered: particles and world points as added, then the centres of the bodies, then their spins.
+/// Seen in its principal axes a body is two nodes with a constant diagonal mass: every route and kernel works
+/// on them as on particles.
 struct System {
-  int nodes = 0;          ///< particles and world points
+  int nodes = 0;          ///< particles, world points, centres, spins
   int free_count = 0;     ///< free coordinates n
-  VectorXd mass;          ///< per node [kg], 0 for world points
-  VectorXd inertia;       ///< 3 per node: mass [kg]
+  VectorXd mass;          ///< per node [kg], 0 for world points and spins
+  VectorXd inertia;       ///< 3 per node: mass [kg]; spins: principal moments [kg m^2]
   VectorXd inverse_mass;  ///< 3 per node [1/kg], 0 where masked
+  std::vector<Body> bodies;
   std::vector<FreeMask> free;
   std::vector<int> masked;  ///< coordinates 3 node + axis that never move
 
@@ -61,6 +69,8 @@ struct System {
 
   Forces forces;
 
+  int places() const { return nodes - static_cast<int>(bodies.size()); }  ///< nodes that have a position
+  Eigen::Index position_size() const { return 3 * nodes + static_cast<int>(bodies.size()); }  ///< of q
   DistanceView distance_view() const;
   /// "distance row 12 (nodes 3, 7)": how messages name a row.
   std::string row_name(int row) const;
@@ -82,7 +92,22 @@ class SystemBuilder {
   /// A fixed place of the world: no mass, no columns.
   Anchor add_world_point(const Vector3d& position);
 
-  /// phi = |x_b - x_a| - rest [m]. rest < 0 means: as placed. Returns the public row id.
+  /// Pose and velocity of a body: where the origin of the axes of its MassProperties lies and how they are
+  /// turned; velocity of its centre of mass; angular velocity in world axes. A pinned body has all of `free`
+  /// and `free_spin` cleared; masks of the spin are by principal axis and must fit the start (0 velocity
+  /// where masked).
+  struct BodyStart {
+    Vector3d position = Vector3d::Zero();          ///< [m]
+    Matrix3d orientation = Matrix3d::Identity();   ///< proper rotation
+    Vector3d velocity = Vector3d::Zero();          ///< [m/s]
+    Vector3d angular_velocity = Vector3d::Zero();  ///< [rad/s]
+    FreeMask free = kFree, free_spin = kFree;
+  };
+  /// Returns the anchor at the origin of the body's axes; others: {.body = id, .point = ...}.
+  Anchor add_body(const MassProperties& properties, const BodyStart& start);
+
+  /// phi = |x_b - x_a| - rest [m], between particles and world points. rest < 0 means: as placed. Returns the
+  /// public row id.
   int add_distance(Anchor a, Anchor b, const Material& material, double rest = -1.0);
   /// A row of any type of the list StencilRows, for example CurvatureRow. Returns the public row id.
   template <class Row>
@@ -99,6 +124,7 @@ class SystemBuilder {
 
  private:
   std::string place(int node) const;
+  int require_anchor(const Anchor& anchor, const std::string& where) const;
   int require_node(Anchor anchor, const std::string& where) const;
   void check_material(const std::string& where, const Material& material, const char* unit,
                       bool may_be_rigid) const;
@@ -108,11 +134,17 @@ class SystemBuilder {
     Vector3d position, velocity;
     FreeMask free;
   };
+  struct BodyNode {
+    MassProperties properties;
+    BodyStart start;
+  };
+  void build_bodies(Built& out) const;
   struct RowId {
     int type;   ///< place in StencilRows, -1 for distance rows
     int index;  ///< place in its list
   };
   std::vector<Node> nodes_;
+  std::vector<BodyNode> bodies_;
   std::vector<DistanceRow> distance_;
   StencilRows stencil_rows_;
   std::vector<RowId> ids_;
@@ -137,10 +169,16 @@ template <class Row>
 int SystemBuilder::add(const Row& row) {
   const int id = static_cast<int>(ids_.size());
   const std::string where = "row " + std::to_string(id) + " (" + Row::kName + ")";
-  for (std::size_t i = 0; i < row.nodes.size(); ++i) {
-    (void)require_node({row.nodes[i]}, where);
-    for (std::size_t j = 0; j < i; ++j)
-      if (row.nodes[i] == row.nodes[j]) fail_input(where, "node", row.nodes[i], "", "different nodes");
+  if constexpr (requires { row.a; }) {
+    const int a = require_anchor(row.a, where), b = require_anchor(row.b, where);
+    if (a == b && (row.a.body >= 0) == (row.b.body >= 0))
+      fail_input(where, row.a.body >= 0 ? "body" : "node", a, "", "two different ones");
+  } else {
+    for (std::size_t i = 0; i < row.nodes.size(); ++i) {
+      (void)require_node({row.nodes[i]}, where);
+      for (std::size_t j = 0; j < i; ++j)
+        if (row.nodes[i] == row.nodes[j]) fail_input(where, "node", row.nodes[i], "", "different nodes");
+    }
   }
   check_material(where, {row.stiffness, row.damping_time}, Row::kUnit, Row::kMayBeRigid);
   row.check(where);

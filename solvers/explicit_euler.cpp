@@ -8,10 +8,11 @@ namespace feder {
 Status ExplicitEuler::step(double dt, State& state, History& history, EnergyLedger* ledger) {
   const System& s = *system_;
   if (Status status = evaluate_forces(s, state, force_); !status.ok()) return status;
+  add_gyroscopic_torques(s, state.v, force_);
   ++counts_.steps, ++counts_.force_evaluations;
   ImpulseLedger record(s, state, ledger);
   if (ledger) record.kick(dt, state, force_, state.v, state.v + dt * s.inverse_mass.cwiseProduct(force_));
-  state.q += dt * state.v;
+  advance(s, dt, state.v, state.q, state.q, rotation_update_);
   state.v.array() += dt * s.inverse_mass.array() * force_.array();
   state.t += dt;
   history.force.resize(0);

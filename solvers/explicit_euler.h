@@ -11,13 +11,15 @@ class ExplicitEuler {
                                         "right-hand side once per step; gains energy on undamped springs"};
   static std::string refusal(const System& system) { return refuse_hard_rows(system, kInfo.name); }
 
-  ExplicitEuler(const System& system, const IntegratorOptions&) : system_(&system) {}
+  ExplicitEuler(const System& system, const IntegratorOptions& options)
+      : system_(&system), rotation_update_(options.rotation_update) {}
   Status prepare() { return {}; }
   Status step(double dt, State& state, History& history, EnergyLedger* ledger);
   const StepCounts& counts() const { return counts_; }
 
  private:
   const System* system_;
+  RotationUpdate rotation_update_;
   VectorXd force_;
   StepCounts counts_;
 };

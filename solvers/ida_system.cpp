@@ -122,17 +122,16 @@ void IdaSystem::evaluate_rate_derivatives() {
   std::size_t at = 0;
   for_each_stencil_row_type(system_.stencil_rows, [&](const auto& list) {
     using Row = typename std::decay_t<decltype(list)>::value_type;
-    constexpr int kColumns = 3 * Row::kNodes;
     for (const Row& row : list) {
+      const int columns = 3 * row.count();
       const Stencil& stencil = system_.stencils[at++];
-      Eigen::Matrix<double, kColumns, 1> v;
-      for (int c = 0; c < kColumns; ++c) v[c] = state_.v[3 * row.nodes[c / 3] + c % 3];
+      VectorXd v(columns);
+      for (int c = 0; c < columns; ++c) v[c] = state_.v[3 * row.nodes[c / 3] + c % 3];
       for (int i = 0; i < Row::kRows; ++i) {
-        Eigen::Matrix<double, kColumns, kColumns> hessian;
+        Eigen::MatrixXd hessian(columns, columns);
         const Eigen::Matrix<double, Row::kRows, 1> unit = Eigen::Matrix<double, Row::kRows, 1>::Unit(i);
         row.hessian(state_.q.data(), unit.data(), hessian);
-        Eigen::Map<Eigen::Matrix<double, kColumns, 1>>(rate_by_q_.data() + stencil.jacobian + kColumns * i) =
-            hessian * v;
+        Eigen::Map<VectorXd>(rate_by_q_.data() + stencil.jacobian + columns * i, columns) = hessian * v;
       }
     }
   });

@@ -23,13 +23,22 @@ void LinearImplicitEuler<kKind>::reset_times() {
 template <GeometricStiffness kKind>
 Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, const History& history) {
   const System& s = *system_;
-  if (s.forces.user) {  // the only force that looks at the state: at t_next, q_n, v_n
+  const bool stated = s.forces.user || !s.bodies.empty();
+  if (stated) {  // forces that look at the state: at t_next, q_n, v_n
     at_ = state;
     at_.t += dt;
     evaluate_external_forces(s, at_, kkt_.p);
   }
-  const VectorXd& force = s.forces.user ? kkt_.p : s.forces.constant;
+  const VectorXd& force = stated ? kkt_.p : s.forces.constant;
   kernels().momentum(kkt_.p.size(), s.mass.data(), state.v.data(), dt, force.data(), kkt_.p.data());
+  if (!s.bodies.empty()) {  // spins have no mass of their own: p = I w*
+    v_start_ = state.v;
+    if (!step_gyroscopic_terms(s, dt, v_start_))
+      return Status::failure(StatusCode::kNotConverged, "the implicit gyroscopic step does not converge");
+    for (const Body& b : s.bodies)
+      kkt_.p.segment<3>(3 * b.spin) += b.moments.cwiseProduct(Vector3d(v_start_.segment<3>(3 * b.spin)));
+    for (int i : s.masked) kkt_.p[i] = 0.0;
+  }
   kkt_.set_step(dt * dt, dt);
   if (dt != dt_) rate_ = (dt + s.damping_time.array()).inverse();
   dt_ = dt;
@@ -62,22 +71,24 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
   ++counts_.steps, ++counts_.force_evaluations;
 
   if (ledger) {
-    const VectorXd drag = -s.forces.drag.cwiseProduct(v_), dv = v_ - state.v;
-    const VectorXd impulse = kkt_.p - s.inertia.cwiseProduct(state.v);
+    const VectorXd& start = s.bodies.empty() ? state.v : v_start_;  // after the gyroscopic step
+    const VectorXd drag = -s.forces.drag.cwiseProduct(v_), dv = v_ - start, gyroscopic = start - state.v;
+    const VectorXd impulse = kkt_.p - s.inertia.cwiseProduct(start);
     VectorXd Jv, Kv = VectorXd::Zero(v_.size());
     kkt_.multiply_jacobian(v_, Jv);
     kkt_.add_geometric(v_, Kv);
-    *ledger = {kinetic_energy_change(s, state.v, v_),
-               -row_energy(s, state),
-               impulse.dot(v_),
-               dt * drag.dot(v_),
-               y_.dot(Jv),
-               -Kv.dot(v_),
-               -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
+    *ledger = {
+        kinetic_energy_change(s, state.v, v_),
+        -row_energy(s, state),
+        impulse.dot(v_),
+        dt * drag.dot(v_),
+        y_.dot(Jv),
+        -Kv.dot(v_),
+        -0.5 * (s.inertia.cwiseProduct(dv).dot(dv) + s.inertia.cwiseProduct(gyroscopic).dot(gyroscopic))};
   }
   {
     const Stopwatch watch(times_.update);
-    kernels().drift(v_.size(), dt, v_.data(), state.q.data(), state.q.data());
+    advance(s, dt, v_, state.q, state.q, rotation_update_);
     std::swap(state.v, v_);
     state.t += dt;
     if (s.has_hard_rows) history.lambda = y_ / dt;

@@ -19,7 +19,7 @@ class LinearImplicitEuler {
   static std::string refusal(const System&) { return {}; }
 
   LinearImplicitEuler(const System& system, const IntegratorOptions& options)
-      : system_(&system), solver_(options.route, options.solve) {}
+      : system_(&system), solver_(options.route, options.solve), rotation_update_(options.rotation_update) {}
   Status prepare();
   Status step(double dt, State& state, History& history, EnergyLedger* ledger);
   const StepCounts& counts() const { return counts_; }
@@ -37,9 +37,11 @@ class LinearImplicitEuler {
   LinearSolver solver_;
   Kkt kkt_;
   State at_;
+  RotationUpdate rotation_update_;
   VectorXd v_, y_, lambda_;
-  double dt_ = 0.0;  // the step rate_ belongs to
-  VectorXd rate_;    // 1 / (dt + tau) per row
+  VectorXd v_start_;  // with bodies: v_n after the gyroscopic step
+  double dt_ = 0.0;   // the step rate_ belongs to
+  VectorXd rate_;     // 1 / (dt + tau) per row
   SolveReport report_;
   StepCounts counts_;
   StepTimes times_;

@@ -1,11 +1,12 @@
 // Unknowns v' and y = dt lambda. With q' = q_n + dt v':
 //   G = M (v' - v_n) + dt B v' - dt f_ext - J(q')^T y = 0
 //   g = gamma y + phi(q')/dt - tau phi(q_n) / (dt (dt + tau)) = 0
-// Far away soft rows take y from g = 0. Near the solution y is an unknown like v: taken from phi it would carry
-// the rounding of q times the stiffness into the balance.
-// Newton: [Mt, -J^T; -J, -gamma] (dv, dy) = (-G, g),  Mt = M + dt B + dt^2 Kg(y/dt).  Phi's gradient is G.
-// Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v'; what Newton left of G shows as
-// imbalance.
+//   Newton: [Mt, -J^T; -J, -gamma] (dv, dy) = (-G, g),  Mt = M + dt B + dt^2 Kg(y/dt).  Phi's gradient is G.
+// Far away soft rows take y from g = 0. Near the solution y is an unknown like v: taken from phi it would
+// carry the rounding of q times the stiffness into the balance. Bodies: v_n is taken after the implicit
+// gyroscopic step, q' = q_n exp(dt v'), J by v' (J_r of the turn), so that G is a gradient there, too; J_r w
+// = w, so no work is changed. Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v'; what is
+// left of G shows as imbalance.
 #include "solvers/implicit_euler_newton.h"
 
 #include <cmath>
@@ -45,9 +46,10 @@ Status ImplicitEulerNewton::evaluate(double dt, const State& start, Multipliers 
   const System& s = *system_;
   at.multipliers = multipliers;
   at.state.t = start.t + dt;
-  at.state.q = start.q + dt * at.state.v;
+  advance(*system_, dt, at.state.v, start.q, at.state.q);
   ++counts_.force_evaluations;
   if (Status status = kkt_.evaluate(at.state.q); !status.ok()) return status;
+  kkt_.take_spins_over_a_step(dt, at.state.v);
   at.phi = kkt_.phi;
 
   // rows
@@ -62,12 +64,12 @@ Status ImplicitEulerNewton::evaluate(double dt, const State& start, Multipliers 
 
   // momentum balance and its scale
   evaluate_external_forces(s, at.state, external_);
-  VectorXd rows = VectorXd::Zero(at.state.q.size());
+  VectorXd rows = VectorXd::Zero(at.state.v.size());
   kkt_.add_jacobian_transpose(at.y, rows);
   for (int i : s.masked) rows[i] = 0.0;
-  at.residual = kkt_.mass.cwiseProduct(at.state.v) - s.inertia.cwiseProduct(start.v) - dt * external_ - rows;
+  at.residual = kkt_.mass.cwiseProduct(at.state.v) - s.inertia.cwiseProduct(v_start_) - dt * external_ - rows;
   for (int i : s.masked) at.residual[i] = 0.0;
-  const double scale = kkt_.mass.cwiseProduct(at.state.v).norm() + s.inertia.cwiseProduct(start.v).norm() +
+  const double scale = kkt_.mass.cwiseProduct(at.state.v).norm() + s.inertia.cwiseProduct(v_start_).norm() +
                        dt * external_.norm() + rows.norm();
   const double row_scale = at.state.v.norm() + at.state.q.norm() / dt;
   at.relative = (scale > 0.0 ? at.residual.norm() / scale : 0.0) + at.g.norm() / row_scale;
@@ -92,10 +94,10 @@ Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
   }
 }
 
-double ImplicitEulerNewton::merit(double dt, const State& start, const Iterate& at, double& magnitude) const {
+double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitude) const {
   const System& s = *system_;
   const auto v = at.state.v.array();
-  const double inertia = 0.5 * (s.inertia.array() * (v - start.v.array()).square()).sum();
+  const double inertia = 0.5 * (s.inertia.array() * (v - v_start_.array()).square()).sum();
   const double drag = 0.5 * dt * (s.forces.drag.array() * v.square()).sum();
   double rows = 0.0, penalty = 0.0;
   for (int k = 0; k < s.rows; ++k) {
@@ -108,8 +110,8 @@ double ImplicitEulerNewton::merit(double dt, const State& start, const Iterate& 
   // a user force without a potential is frozen at the current iterate: the slope there is still right
   const double external =
       s.forces.user && s.forces.user.potential
-          ? s.forces.user.potential(at.state.t, at.state.q) - s.forces.constant.dot(at.state.q - start.q)
-          : -frozen_force_.dot(at.state.q - start.q);
+          ? s.forces.user.potential(at.state.t, at.state.q) - dt * s.forces.constant.dot(at.state.v)
+          : -dt * frozen_force_.dot(at.state.v);
   magnitude = inertia + drag + std::abs(rows) + penalty + std::abs(external);
   return inertia + drag + rows + penalty + external;
 }
@@ -144,7 +146,7 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
   slope -= penalty_ * hard;
 
   double magnitude = 0.0, trial_magnitude = 0.0;
-  const double before = merit(dt, start, at, magnitude);
+  const double before = merit(dt, at, magnitude);
   double step = 1.0;
   Status status;
   for (int cut = 0; cut <= kMostCuts; ++cut, step *= 0.5) {
@@ -152,7 +154,7 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
     trial_.y = at.y + step * dy_;
     status = evaluate(dt, start, Multipliers::kOfPhi, trial_);
     if (status.ok()) {
-      const double after = merit(dt, start, trial_, trial_magnitude);
+      const double after = merit(dt, trial_, trial_magnitude);
       // rounding of q moves W by lambda dphi
       const double noise =
           kRounding * (magnitude + trial_magnitude) +
@@ -172,14 +174,14 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
 // curvature (what was clamped, or a saddle near by), and short steps would creep.
 Status ImplicitEulerNewton::lengthen(double dt, const State& start, double before, double slope,
                                      Iterate& at) {
-  double magnitude = 0.0, reached = merit(dt, start, at, magnitude);
+  double magnitude = 0.0, reached = merit(dt, at, magnitude);
   if (!(reached <= before + kFlat * slope)) return {};
   const VectorXd v = at.state.v - dv_;
   for (double step = 2.0; step < kLongest; step *= 2.0) {
     trial_.state.v = v + step * dv_;
     trial_.y = at.y;
     const Status status = evaluate(dt, start, Multipliers::kOfPhi, trial_);
-    const double after = status.ok() ? merit(dt, start, trial_, magnitude) : HUGE_VAL;
+    const double after = status.ok() ? merit(dt, trial_, magnitude) : HUGE_VAL;
     if (!(after < reached)) return evaluate(dt, start, Multipliers::kOfPhi, at);
     std::swap(at, trial_);
     reached = after;
@@ -194,6 +196,9 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   evaluate_phi(s, state.q, phi_start_);
   penalty_ = 0.0;
   kept_ = 1.0;
+  v_start_ = state.v;
+  if (!step_gyroscopic_terms(s, dt, v_start_))
+    return Status::failure(StatusCode::kNotConverged, "the implicit gyroscopic step does not converge");
 
   // start from rest at q_n: the first iterate is the linearised step
   at_.state.v = VectorXd::Zero(state.v.size());
@@ -224,7 +229,8 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
 void ImplicitEulerNewton::keep_books(double dt, const State& start, const Iterate& end,
                                      EnergyLedger& ledger) const {
   const System& s = *system_;
-  const VectorXd &v = end.state.v, dv = v - start.v, drag = -s.forces.drag.cwiseProduct(v);
+  const VectorXd &v = end.state.v, dv = v - v_start_, gyroscopic = v_start_ - start.v,
+                 drag = -s.forces.drag.cwiseProduct(v);
   VectorXd Jv;
   kkt_.multiply_jacobian(v, Jv);
   ledger = {kinetic_energy_change(s, start.v, v),
@@ -233,7 +239,7 @@ void ImplicitEulerNewton::keep_books(double dt, const State& start, const Iterat
             dt * drag.dot(v),
             end.y.dot(Jv),
             0.0,
-            -0.5 * s.inertia.cwiseProduct(dv).dot(dv)};
+            -0.5 * (s.inertia.cwiseProduct(dv).dot(dv) + s.inertia.cwiseProduct(gyroscopic).dot(gyroscopic))};
 }
 
 }  // namespace feder

@@ -34,7 +34,7 @@ class ImplicitEulerNewton {
   };
   Status evaluate(double dt, const State& start, Multipliers multipliers, Iterate& at);
   Status solve_direction(double dt, const Iterate& at);
-  double merit(double dt, const State& start, const Iterate& at, double& magnitude) const;
+  double merit(double dt, const Iterate& at, double& magnitude) const;
   Status line_search(double dt, const State& start, Iterate& at);
   Status lengthen(double dt, const State& start, double before, double slope, Iterate& at);
   void keep_books(double dt, const State& start, const Iterate& end, EnergyLedger& ledger) const;
@@ -44,6 +44,7 @@ class ImplicitEulerNewton {
   LinearSolver solver_;
   Kkt kkt_;
   Iterate at_, trial_;
+  VectorXd v_start_;  // v_n after the implicit gyroscopic step of the bodies
   VectorXd external_, phi_start_, dv_, dy_, lambda_, frozen_force_;
   double penalty_ = 0.0, kept_ = 1.0;  // kept_: fraction of the negative part of Kg
   StepCounts counts_;

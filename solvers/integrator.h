@@ -13,6 +13,7 @@ namespace feder {
 struct IntegratorOptions {
   std::string route = "auto";  ///< linear route of the implicit ones
   SolveOptions solve = {};
+  RotationUpdate rotation_update = RotationUpdate::kExponential;  ///< explicit Euler, one-step implicit Euler
   double newton_tolerance = 1e-14;  ///< relative residual of the momentum balance
   int most_newton_iterations = 200;
 };

@@ -29,16 +29,29 @@ Status Leapfrog::damped_kick(double dt, const State& half, VectorXd& v_next) {
   return damping_->solver.solve(kkt, v_next, damping_->y).status;
 }
 
+// Particles and centres move straight, bodies turn freely.
+void Leapfrog::drift(double dt, const VectorXd& q, State& next) const {
+  const System& s = *system_;
+  kernels().drift(3 * s.places(), dt, next.v.data(), q.data(), next.q.data());
+  for (const Body& b : s.bodies) {
+    next.q.segment<4>(b.quaternion) = q.segment<4>(b.quaternion);
+    Vector3d w = next.v.segment<3>(3 * b.spin);
+    rotate_freely(b.moments, dt, w, next.q.data() + b.quaternion);
+    for (int c = 0; c < 3; ++c)
+      if (s.free[b.spin] >> c & 1) next.v[3 * b.spin + c] = w[c];
+  }
+}
+
 Status Leapfrog::step(double dt, State& state, History& history, EnergyLedger* ledger) {
   const System& s = *system_;
   const auto W = s.inverse_mass.array();
   const Kernels& kernel = kernels();
-  const std::size_t n = static_cast<std::size_t>(state.q.size());
+  const std::size_t n = static_cast<std::size_t>(state.v.size());
   const double half = 0.5 * dt;
   next_.q.resize(state.q.size());
-  next_.v.resize(state.q.size());
-  v_next_.resize(state.q.size());
-  if (history.force.size() != state.q.size()) {
+  next_.v.resize(state.v.size());
+  v_next_.resize(state.v.size());
+  if (history.force.size() != state.v.size()) {
     if (Status status = evaluate_forces(s, state, history.force); !status.ok()) {
       history.force.resize(0);
       return status;
@@ -48,7 +61,8 @@ Status Leapfrog::step(double dt, State& state, History& history, EnergyLedger* l
 
   // first kick and drift
   kernel.kick(n, half, s.inverse_mass.data(), history.force.data(), state.v.data(), next_.v.data());
-  kernel.drift(n, dt, next_.v.data(), state.q.data(), next_.q.data());
+  const VectorXd kicked = ledger ? next_.v : VectorXd();
+  drift(dt, state.q, next_);
   next_.t = state.t + dt;
 
   // second kick
@@ -66,7 +80,9 @@ Status Leapfrog::step(double dt, State& state, History& history, EnergyLedger* l
 
   ImpulseLedger record(s, state, ledger);
   if (ledger) {
-    record.kick(half, state, history.force, state.v, next_.v);
+    record.kick(half, state, history.force, state.v, kicked);
+    if (!s.bodies.empty())
+      ledger->numerical = kinetic_energy_change(s, kicked, next_.v);  // of the free rotation
     State end = next_;
     end.v = v_next_;
     record.kick(half, end, force_, next_.v, v_next_);

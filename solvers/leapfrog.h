@@ -7,9 +7,9 @@
 namespace feder {
 
 /// Kick-drift-kick (notes B3): v+ = v + dt/2 M^-1 F(q, v),  q' = q + dt v+,  v' = v+ + dt/2 M^-1 F(q', v').
-/// The second kick is implicit in v: a division with drag, one linear solve with row damping (the step matrix
-/// with sigma = 0, rho = dt/2), nothing otherwise. Stable up to omega dt = 2 whatever the damping; symplectic
-/// without it.
+/// Bodies turn freely in the drift (rotate_freely), which changes their spin. The second kick is implicit in
+/// v: a division with drag, one linear solve with row damping (the step matrix with sigma = 0, rho = dt/2),
+/// nothing otherwise. Stable up to omega dt = 2 whatever the damping; symplectic without it.
 class Leapfrog {
  public:
   static constexpr IntegratorInfo kInfo{"leapfrog", 2, false, true,
@@ -22,6 +22,7 @@ class Leapfrog {
   const StepCounts& counts() const { return counts_; }
 
  private:
+  void drift(double dt, const VectorXd& q, State& next) const;
   Status damped_kick(double dt, const State& half, VectorXd& v_next);
 
   struct Damping {  // only where rows are damped

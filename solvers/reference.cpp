@@ -159,7 +159,7 @@ std::optional<Reference> load(const fs::path& file, std::uint64_t hash, int coor
 
 double position_error(const System& s, const State& a, const State& b) {
   double sum = 0.0, mass = 0.0;
-  for (int i = 0; i < s.nodes; ++i) {
+  for (int i = 0; i < s.places(); ++i) {
     if (s.free[i] == kPinned) continue;
     sum += s.mass[i] * (a.q.segment<3>(3 * i) - b.q.segment<3>(3 * i)).squaredNorm();
     mass += s.mass[i];
@@ -213,10 +213,10 @@ Reference explicit_reference(const System& s, const State& initial, double end_t
 
 std::optional<fs::path> reference_cache_file(const System& s, const State& initial, double end_time,
                                              const ReferenceOptions& o) {
-  FEDER_CHECK(initial.q.size() == 3 * s.nodes && initial.v.size() == 3 * s.nodes,
+  FEDER_CHECK(initial.q.size() == s.position_size() && initial.v.size() == 3 * s.nodes,
               "the state does not fit the system");
   const fs::path folder = o.cache_folder.empty() ? default_cache_folder() : o.cache_folder;
-  if (!o.use_cache || s.forces.user || folder.empty()) return std::nullopt;
+  if (!o.use_cache || s.forces.user || !s.bodies.empty() || folder.empty()) return std::nullopt;
   char name[32];
   (void)std::snprintf(name, sizeof name, "%016llx.reference",
                       static_cast<unsigned long long>(reference_hash(s, initial, end_time, o)));

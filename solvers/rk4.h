@@ -21,7 +21,7 @@ class Rk4 {
  private:
   const System* system_;
   State stage_;
-  std::array<VectorXd, 4> force_, velocity_;
+  std::array<VectorXd, 4> force_, rate_;  // of v and of q
   StepCounts counts_;
 };
 

@@ -45,6 +45,7 @@ class Fnv1a {
 /// two displaced ones.
 inline void hash_scene(Fnv1a& hash, const System& s, const State& state) {
   hash.add(s.nodes);
+  hash.add(static_cast<std::uint64_t>(s.bodies.size()));
   hash.add(s.inertia);
   hash.add(s.inverse_mass);
   hash.add(s.free);

@@ -21,7 +21,7 @@ class DivergenceCheck {
  public:
   DivergenceCheck(const System& s, const State& start, double span, double factor)
       : system_(s), start_(start.q), factor_(factor) {
-    Eigen::Map<const Eigen::Matrix3Xd> x(start.q.data(), 3, s.nodes);
+    Eigen::Map<const Eigen::Matrix3Xd> x(start.q.data(), 3, s.places());
     const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
     scale_ = kinetic_energy(s, start) + row_energy(s, start) + s.mass.sum() * size * size / (span * span);
   }
@@ -110,7 +110,7 @@ RunResult simulate(const System& system, Integrator& integrator, State& state, H
 
 double doubling_error(const System& s, const State& full, const State& halves, double dt, int order) {
   double sum = 0.0;
-  for (int i = 0; i < s.nodes; ++i)
+  for (int i = 0; i < s.places(); ++i)
     if (s.free[i])
       sum += s.mass[i] * ((halves.q.segment<3>(3 * i) - full.q.segment<3>(3 * i)).squaredNorm() +
                           dt * dt * (halves.v.segment<3>(3 * i) - full.v.segment<3>(3 * i)).squaredNorm());
@@ -127,7 +127,8 @@ AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, S
   if (!(options.end_time > state.t))
     fail_input("adaptive run", "end time", options.end_time, "s", "a time after the start");
   AdaptiveResult result;
-  const bool extrapolate = options.extrapolate && !info(integrator).symmetric;
+  const bool extrapolate =
+      options.extrapolate && !info(integrator).symmetric && system.bodies.empty();  // rotations do not add
   if (extrapolate && system.has_hard_rows)
     result.status =
         Status::failure(StatusCode::kRefused, "extrapolation would violate hard rows: switch it off");

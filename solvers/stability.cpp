@@ -65,6 +65,8 @@ Linearization::Linearization(const System& s, const State& state) : system_(s) {
   for (int k = 0; k < s.rows && status_.ok(); ++k)
     if (std::isinf(s.stiffness[k]))
       status_ = Status::failure(StatusCode::kRefused, s.row_name(k) + " is hard: its frequency is infinite");
+  if (!s.bodies.empty())
+    status_ = Status::failure(StatusCode::kRefused, "predicted limits are for particles: body 0 turns");
   if (!status_.ok()) return;
   kkt_.prepare(s);
   if (status_ = kkt_.evaluate(state.q); !status_.ok()) return;

@@ -1,0 +1,237 @@
+// Every integrator and route with rigid bodies.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "solvers/simulate.h"
+#include "tests/solvers/random_system.h"
+
+namespace feder {
+namespace {
+
+MassProperties brick() {
+  return solid_box("brick", 1.2, {0.5, 0.3, 0.1});
+}
+
+/// A free asymmetric top: the middle axis, so that it flips.
+SystemBuilder::Built top(double speed) {
+  SystemBuilder builder;
+  builder.add_body(brick(), {.angular_velocity = speed * Vector3d(0.1, 1.0, 0.05).normalized()});
+  return builder.build();
+}
+
+/// A brick hung on two springs, one end of each off its centre, and a particle: smooth, everything turns.
+SystemBuilder::Built hung_brick(double stiffness = 40.0, double damping_time = 0.0) {
+  SystemBuilder builder;
+  const Anchor left = builder.add_world_point({-0.4, 0.6, 0.0}),
+               right = builder.add_world_point({0.5, 0.7, 0.2}),
+               mass = builder.add_particle(0.3, {0.4, -0.4, 0.1});
+  const Anchor body = builder.add_body(brick(), {.angular_velocity = {1.0, 2.0, -1.5}});
+  auto corner = [&](double x, double y, double z) { return Anchor{.body = body.body, .point = {x, y, z}}; };
+  builder.add(AnchorDistanceRow{{left, corner(-0.25, 0.15, 0.05), stiffness, damping_time}, 0.4});
+  builder.add(AnchorDistanceRow{{right, corner(0.25, 0.15, -0.05), stiffness, damping_time}, 0.5});
+  builder.add(AnchorDistanceRow{{corner(0.25, -0.15, 0.05), mass, stiffness, damping_time}, 0.3});
+  builder.set_gravity({0.0, -9.81, 0.0});
+  return builder.build();
+}
+
+/// Bricks in a chain of ball joints from the ceiling, the last one with a hinge; all joints hard.
+SystemBuilder::Built jointed_bricks(int count, double stiffness = INFINITY, double damping_time = 0.0) {
+  SystemBuilder builder;
+  const Anchor ceiling = builder.add_world_point({0.0, 0.0, 0.0});
+  Anchor last = ceiling;
+  for (int i = 0; i < count; ++i) {
+    const Anchor body = builder.add_body(brick(), {.position = {0.25 + 0.5 * i, 0.0, 0.0}});
+    const Anchor begin{.body = body.body, .point = {-0.25, 0.0, 0.0}};
+    builder.add(BallRow{{last, begin, stiffness, damping_time}});
+    if (i > 0 && i + 1 == count) {  // hinge about z
+      builder.add(PerpendicularRow{{last, begin, stiffness, damping_time}, {0, 0, 1}, {1, 0, 0}});
+      builder.add(PerpendicularRow{{last, begin, stiffness, damping_time}, {0, 0, 1}, {0, 1, 0}});
+    }
+    last = {.body = body.body, .point = {0.25, 0.0, 0.0}};
+  }
+  builder.set_gravity({0.0, -9.81, 3.0});
+  return builder.build();
+}
+
+State run(const char* name, const System& system, const State& start, double dt, double end,
+          std::vector<EnergyLedger>* ledgers = nullptr, const IntegratorOptions& options = {}) {
+  Integrator integrator = make_integrator(name, system, options);
+  State state = start;
+  History history;
+  const RunResult result =
+      simulate(system, integrator, state, history, {.dt = dt, .end_time = end, .ledgers = ledgers});
+  EXPECT_TRUE(result.status.ok()) << name << ": " << result.status.reason;
+  return state;
+}
+
+double largest_gap(const System& s, const State& state) {
+  VectorXd phi;
+  evaluate_phi(s, state.q, phi);
+  return phi.size() ? phi.cwiseAbs().maxCoeff() : 0.0;
+}
+
+TEST(AsymmetricTop, Rk4KeepsMomentumAndEnergyTo1e9Over100Seconds) {
+  const auto [s, start] = top(10.0);
+  const State end = run("rk4", s, start, 1e-3, 100.0);
+  EXPECT_LT(
+      (angular_momentum(s, end) - angular_momentum(s, start)).norm() / angular_momentum(s, start).norm(),
+      1e-9);
+  EXPECT_NEAR(kinetic_energy(s, end) / kinetic_energy(s, start), 1.0, 1e-9);
+}
+
+TEST(AsymmetricTop, DriftsWithoutTheGyroscopicTerm) {  // the twin: w constant in body axes
+  auto [s, state] = top(10.0);
+  const Vector3d L = angular_momentum(s, state);
+  for (int n = 0; n < 2000; ++n) advance(s, 1e-3, state.v, state.q, state.q);
+  EXPECT_GT((angular_momentum(s, state) - L).norm() / L.norm(), 0.05);
+}
+
+TEST(AsymmetricTop, LeapfrogKeepsMomentumToRounding) {
+  const auto [s, start] = top(10.0);
+  const State end = run("leapfrog", s, start, 1e-3, 20.0);
+  EXPECT_LT(
+      (angular_momentum(s, end) - angular_momentum(s, start)).norm() / angular_momentum(s, start).norm(),
+      1e-11);
+}
+
+TEST(AsymmetricTop, ImplicitEulerNeverGainsEnergyAtAFrameStep) {
+  const auto [s, start] = top(10.0);
+  for (const char* name : {"implicit_euler_notes", "implicit_euler_geometric", "implicit_euler_newton"}) {
+    Integrator integrator = make_integrator(name, s);
+    State state = start;
+    History history;
+    double energy = kinetic_energy(s, state);
+    const double first = energy;
+    const RunResult result =
+        simulate(s, integrator, state, history,
+                 {.dt = 1.0 / 60.0, .end_time = 10.0, .observer = [&](const State& at, const History&) {
+                    EXPECT_LE(kinetic_energy(s, at), energy * (1.0 + 1e-14));
+                    energy = kinetic_energy(s, at);
+                    return true;
+                  }});
+    EXPECT_TRUE(result.status.ok());
+    EXPECT_LT(energy, 0.99 * first) << name;
+  }
+}
+
+TEST(Bodies, EveryIntegratorHasItsOrder) {
+  const auto [s, start] = hung_brick();
+  const double end = 0.5;
+  const State exact = run("rk4", s, start, 2.5e-5, end);
+  auto error = [&](const State& state) {
+    return (state.q.head(3 * s.places()) - exact.q.head(3 * s.places())).norm() +
+           (orientation(s.bodies[0], state.q) - orientation(s.bodies[0], exact.q)).norm();
+  };
+  for (const IntegratorInfo& method : integrator_list()) {
+    const double dt = method.order == 4 ? 4e-3 : method.order == 2 ? 1e-3 : 2e-4;
+    const double coarse = error(run(method.name, s, start, dt, end)),
+                 fine = error(run(method.name, s, start, 0.5 * dt, end));
+    EXPECT_NEAR(std::log2(coarse / fine), method.order, 0.1) << method.name << " " << coarse << " " << fine;
+  }
+}
+
+TEST(Bodies, ImplicitLedgersClose) {
+  for (double stiffness : {1e4, double(INFINITY)})
+    for (const char* name : {"implicit_euler_notes", "implicit_euler_geometric", "implicit_euler_newton"}) {
+      const auto [s, start] = jointed_bricks(4, stiffness, 0.01);
+      std::vector<EnergyLedger> ledgers;
+      (void)run(name, s, start, 0.01, 0.5, &ledgers);
+      ASSERT_EQ(ledgers.size(), 50u);
+      for (const EnergyLedger& ledger : ledgers)
+        EXPECT_LT(std::abs(ledger.imbalance()), 1e-12 * ledger.magnitude()) << name << " " << stiffness;
+    }
+}
+
+TEST(Bodies, ExplicitLedgersClose) {
+  const auto [s, start] = hung_brick(40.0, 0.01);
+  for (const char* name : {"explicit_euler", "leapfrog", "rk4"}) {
+    std::vector<EnergyLedger> ledgers;
+    (void)run(name, s, start, 0.001, 0.1, &ledgers);
+    for (const EnergyLedger& ledger : ledgers)
+      EXPECT_LT(std::abs(ledger.imbalance()), 1e-12 * ledger.magnitude()) << name;
+  }
+}
+
+TEST(Bodies, RoutesAgreeOnHardJoints) {
+  const auto [s, start] = jointed_bricks(12);
+  const Kkt kkt = test::implicit_euler_kkt(s, start, 0.01);
+  VectorXd dense, y;
+  for (const char* route : {"dense", "kkt", "dual", "auto"}) {
+    LinearSolver solver(route);
+    ASSERT_TRUE(solver.analyze(s, false).ok()) << route;
+    ASSERT_TRUE(solver.factor(kkt).ok()) << route;
+    VectorXd v;
+    ASSERT_TRUE(solver.solve(kkt, v, y).status.ok()) << route;
+    if (dense.size() == 0) dense = v;
+    EXPECT_LT((v - dense).norm(), 1e-12 * dense.norm()) << route;
+  }
+}
+
+TEST(Bodies, NewtonClosesHardJointsTo1e10) {
+  const auto [s, start] = jointed_bricks(5);
+  Integrator newton = make_integrator("implicit_euler_newton", s);
+  State state = start;
+  History history;
+  double worst = 0.0;
+  const RunResult result =
+      simulate(s, newton, state, history,
+               {.dt = 0.01, .end_time = 2.0, .observer = [&](const State& at, const History&) {
+                  worst = std::max(worst, largest_gap(s, at));
+                  return true;
+                }});
+  ASSERT_TRUE(result.status.ok()) << result.status.reason;
+  ASSERT_GT((state.q - start.q).norm(), 0.3);  // it swung
+  EXPECT_LT(worst, 1e-10);
+}
+
+TEST(Bodies, RigidJointsAreTheLimitOfStiffOnes) {
+  const auto [rigid, start] = jointed_bricks(3);
+  const State limit = run("implicit_euler_newton", rigid, start, 0.01, 0.3);
+  auto distance = [&](double stiffness) {
+    const auto [soft, begin] = jointed_bricks(3, stiffness);
+    return (run("implicit_euler_newton", soft, begin, 0.01, 0.3).q - limit.q).norm();
+  };
+  const double slope = std::log10(distance(1e9) / distance(1e7)) / 2.0;
+  EXPECT_NEAR(slope, -1.0, 0.05);
+}
+
+TEST(Bodies, NormalisedEulerTurnsSlower) {
+  SystemBuilder builder;
+  builder.add_body(brick(), {.angular_velocity = {0.0, 0.0, 5.0}});
+  const auto [s, start] = builder.build();
+  const State exact = run("implicit_euler_notes", s, start, 0.02, 1.0),
+              euler = run("implicit_euler_notes", s, start, 0.02, 1.0, nullptr,
+                          {.rotation_update = RotationUpdate::kNormalisedEuler});
+  auto angle = [&](const State& state) {
+    const Matrix3d R = orientation(s.bodies[0], state.q);
+    return std::atan2(R(1, 0), R(0, 0));
+  };
+  const double turned = std::remainder(5.0, 2.0 * M_PI);
+  EXPECT_NEAR(angle(exact), turned, 1e-12);
+  EXPECT_NEAR(angle(euler), std::remainder(50.0 * 2.0 * std::atan(0.05), 2.0 * M_PI), 1e-12);
+}
+
+TEST(Bodies, PinnedAndPlanarBodiesStayExactly) {
+  SystemBuilder builder;
+  const Anchor wall = builder.add_body(brick(), {.free = kPinned, .free_spin = kPinned});
+  const Anchor flat = builder.add_body(
+      brick(), {.position = {0.5, 0, 0}, .angular_velocity = {0, 0, 1}, .free = kPlanarXY, .free_spin = 4});
+  builder.add(BallRow{
+      {{.body = wall.body, .point = {0.25, 0, 0}}, {.body = flat.body, .point = {-0.25, 0, 0}}, 100.0}});
+  builder.set_gravity({0.0, -9.81, 2.0});
+  const auto [s, start] = builder.build();
+  EXPECT_EQ(s.free_count, 3);
+  for (const IntegratorInfo& method : integrator_list()) {
+    const State end = run(method.name, s, start, 1e-3, 0.2);
+    EXPECT_EQ(end.q.segment<3>(0), start.q.segment<3>(0)) << method.name;
+    EXPECT_EQ(end.q.segment<4>(s.bodies[0].quaternion), start.q.segment<4>(s.bodies[0].quaternion))
+        << method.name;
+    EXPECT_EQ(end.q[5], 0.0) << method.name;
+    EXPECT_EQ(end.q[s.bodies[1].quaternion + 1], 0.0) << method.name;
+  }
+}
+
+}  // namespace
+}  // namespace feder
