@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/check.h"
+#include "models/asymmetric_top.h"
 #include "models/bending_rod.h"
 #include "models/chain.h"
 #include "models/cloth.h"
@@ -12,6 +13,7 @@
 #include "models/oscillator.h"
 #include "models/parameters.h"
 #include "models/pendulum.h"
+#include "models/rigid_chain.h"
 #include "models/spring_pendulum.h"
 #include "models/taut_string.h"
 
@@ -20,9 +22,9 @@ namespace feder {
 // THE LIST.
 const std::vector<ModelInfo>& catalog() {
   static const std::vector<ModelInfo> list = {
-      oscillator_model(), damped_oscillator_model(), pendulum_model(),    spring_pendulum_model(),
-      chain_model(),      hanging_chain_model(),     taut_string_model(), bending_rod_model(),
-      cloth_model(),      lattice_model(),
+      oscillator_model(), damped_oscillator_model(), pendulum_model(),       spring_pendulum_model(),
+      chain_model(),      hanging_chain_model(),     taut_string_model(),    bending_rod_model(),
+      cloth_model(),      lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
   };
   return list;
 }

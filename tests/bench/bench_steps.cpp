@@ -167,6 +167,10 @@ void run() {
         Case{"S2(100)", false, "primal", frame, 20, 0.05, "peers: textbook CHOLMOD 224 ms"},
         Case{"S2(100)", true, "primal", frame, 15, 0.05, "peers: textbook CHOLMOD 224 ms"},
         Case{"S4(10)", true, "primal", frame, 40, 0.0, "peers: CHOLMOD 22 ms, CG 6 ms"},
+        Case{"S3c(100)", false, "dual", frame, 200, 0.0, "peers: ODE QuickStep 0.10 ms, joints gape"},
+        Case{"S3c(1000)", false, "dual", frame, 100, 0.0, "peers: ODE QuickStep 1.2 ms, joints gape"},
+        Case{"S3c(10000)", false, "dual", frame, 40, 0.0, ""},
+        Case{"S3c(100000)", false, "dual", frame, 8, 0.0, ""},
         Case{"S4(20)", false, "primal", frame, 8, 0.03, "peers: CHOLMOD 510 ms, CG 112 ms"}}) {
     Model model = make_model(c.scene);
     if (c.geometric)

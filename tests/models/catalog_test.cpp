@@ -29,8 +29,8 @@ class Catalog : public testing::TestWithParam<std::string> {
 TEST_P(Catalog, BuildsAFiniteMovingScene) {
   EXPECT_EQ(model.name, GetParam());
   EXPECT_GT(model.system.free_count, 0);
-  EXPECT_GT(model.system.active_rows, 0);
-  EXPECT_EQ(model.state.q.size(), 3 * model.system.nodes);
+  EXPECT_GT(model.system.active_rows + std::ssize(model.system.bodies), 0);
+  EXPECT_EQ(model.state.q.size(), model.system.position_size());
   EXPECT_TRUE(model.state.q.allFinite() && model.state.v.allFinite());
   EXPECT_TRUE(std::isfinite(model.end_time) && model.end_time > 0.0);
   EXPECT_TRUE(std::isfinite(model.scene_length) && model.scene_length > 0.0);
@@ -40,6 +40,7 @@ TEST_P(Catalog, HasFiniteForcesThatMoveIt) {
   VectorXd f;
   const Status status = evaluate_forces(model.system, model.state, f);
   ASSERT_TRUE(status.ok()) << status.reason;
+  add_gyroscopic_torques(model.system, model.state.v, f);
   EXPECT_TRUE(f.allFinite());
   EXPECT_GT(f.cwiseProduct(model.system.inverse_mass).norm(), 0.0);
 }
