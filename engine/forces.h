@@ -27,6 +27,7 @@ struct Forces {
   VectorXd constant;                    ///< gravity and constant forces, 3 per node [N], 0 where masked
   VectorXd drag;                        ///< linear drag coefficient, 3 per node [kg/s], force -drag * v
   bool has_drag = false;
+  bool has_torques = false;  ///< some Body::torque
   UserForce user;
 };
 

@@ -104,7 +104,7 @@ void evaluate_phi(const System& s, const VectorXd& q, VectorXd& phi) {
 
 void evaluate_external_forces(const System& s, const State& state, VectorXd& f) {
   f = s.forces.constant;
-  add_torques(s, state.q, f);
+  if (s.forces.has_torques) add_torques(s, state.q, f);
   if (!s.forces.user) return;
   s.forces.user.force(state.t, state.q, state.v, f);
   for (int i : s.masked) f[i] = 0.0;
@@ -257,11 +257,13 @@ template <class Velocity>
 void Kkt::multiply_stencils(Velocity&& velocity, VectorXd& out) const {
   for (const Stencil& stencil : system->stencils) {
     const int* nodes = system->stencil_nodes.data() + stencil.first_node;
-    const double* J = jacobian.data() + stencil.jacobian;
-    for (int i = 0; i < stencil.rows; ++i) {
-      double sum = 0.0;
-      for (int c = 0; c < 3 * stencil.nodes; ++c) sum += *J++ * velocity(3 * nodes[c / 3] + c % 3);
-      out[stencil.first_row + i] = sum;
+    double* sum = out.data() + stencil.first_row;
+    for (int row = 0; row < stencil.rows; ++row) sum[row] = 0.0;
+    for (int i = 0; i < stencil.nodes; ++i) {
+      const double x = velocity(3 * nodes[i]), y = velocity(3 * nodes[i] + 1), z = velocity(3 * nodes[i] + 2);
+      const double* J = jacobian.data() + stencil.jacobian + 3 * i;
+      for (int row = 0; row < stencil.rows; ++row, J += 3 * stencil.nodes)
+        sum[row] += J[0] * x + J[1] * y + J[2] * z;
     }
   }
 }
@@ -283,10 +285,14 @@ void Kkt::add_jacobian_transpose(const VectorXd& y, VectorXd& out) const {
   kernels().add_transpose(s.distance_view(), u.data(), y.data(), out.data());
   for (const Stencil& stencil : s.stencils) {
     const int* nodes = s.stencil_nodes.data() + stencil.first_node;
-    const double* J = jacobian.data() + stencil.jacobian;
-    for (int i = 0; i < stencil.rows; ++i)
-      for (int c = 0; c < 3 * stencil.nodes; ++c)
-        out[3 * nodes[c / 3] + c % 3] += *J++ * y[stencil.first_row + i];
+    const double* weight = y.data() + stencil.first_row;
+    for (int i = 0; i < stencil.nodes; ++i) {
+      double sum[3] = {};
+      const double* J = jacobian.data() + stencil.jacobian + 3 * i;
+      for (int row = 0; row < stencil.rows; ++row, J += 3 * stencil.nodes)
+        for (int c = 0; c < 3; ++c) sum[c] += J[c] * weight[row];
+      for (int c = 0; c < 3; ++c) out[3 * nodes[i] + c] += sum[c];
+    }
   }
 }
 

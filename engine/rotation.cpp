@@ -101,7 +101,7 @@ Vector3d implicit_gyroscopic_step(const Vector3d& moments, double dt, const Vect
   for (int i = 0; i < kMostIterations; ++i) {
     if (f.norm() <= 4.0 * std::numeric_limits<double>::epsilon() * scale) return next;
     const Matrix3d slope = inertia + dt * (skew(next) * inertia - skew(moments.cwiseProduct(next)));
-    const Vector3d change = slope.partialPivLu().solve(f);
+    const Vector3d change = slope.inverse() * f;
     // halve the step while it does not come nearer; at rounding nothing does
     double step = 1.0;
     Vector3d trial = next - change, at_trial = residual(trial);

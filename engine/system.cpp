@@ -138,6 +138,14 @@ void SystemBuilder::add_constant_force(Anchor at, const Vector3d& force) {
   constant_.emplace_back(node, force);
 }
 
+void SystemBuilder::add_constant_torque(Anchor at, const Vector3d& torque) {
+  if (at.body < 0) fail_input("constant torque", "node", at.node, "", "a body: particles do not turn");
+  const int body = require_anchor(at, "constant torque");
+  for (int c = 0; c < 3; ++c)
+    require_finite("constant torque on body " + std::to_string(body), "torque", torque[c], "N m");
+  bodies_[body].torque += torque;
+}
+
 namespace {
 
 // Stencils of the row types and of the user force, with their places in the Jacobian and matrix pools.
@@ -179,10 +187,11 @@ void collect_row_materials(System& s) {
   s.has_damping = (s.stiffness.array() > 0.0 && s.damping_time.array() > 0.0).any();
 }
 
-// Principal axes; those given where they are principal already, so that masks mean what the user sees.
+// Principal axes; those given where they are principal to rounding, so that masks mean what the user sees.
 PrincipalAxes axes_of(const MassProperties& p) {
   const Matrix3d& I = p.inertia;
-  if (Matrix3d(I.diagonal().asDiagonal()) == I) return {Matrix3d::Identity(), I.diagonal()};
+  if ((I - Matrix3d(I.diagonal().asDiagonal())).cwiseAbs().maxCoeff() <= 1e-14 * I.trace())
+    return {Matrix3d::Identity(), I.diagonal()};
   return principal_axes(p);
 }
 
@@ -193,10 +202,16 @@ void SystemBuilder::build_bodies(Built& out) const {
   System& s = out.system;
   const int particles = static_cast<int>(nodes_.size()), count = static_cast<int>(bodies_.size());
   for (int i = 0; i < count; ++i) {
-    const auto& [properties, start] = bodies_[i];
+    const auto& [properties, start, torque] = bodies_[i];
     const PrincipalAxes principal = axes_of(properties);
-    const Body b{particles + i,     particles + count + i, 3 * (particles + count) + 4 * i,
-                 principal.moments, principal.axes,        properties.centre};
+    const Body b{particles + i,
+                 particles + count + i,
+                 3 * (particles + count) + 4 * i,
+                 principal.moments,
+                 principal.axes,
+                 properties.centre,
+                 torque};
+    s.forces.has_torques = s.forces.has_torques || !torque.isZero(0.0);
     s.bodies.push_back(b);
     const Matrix3d R = start.orientation * principal.axes;
     const Eigen::Quaterniond quaternion(R);

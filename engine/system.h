@@ -117,6 +117,8 @@ class SystemBuilder {
   /// Force -coefficient v on every particle [kg/s].
   void set_drag(double coefficient) { drag_ = coefficient; }
   void add_constant_force(Anchor at, const Vector3d& force);
+  /// On a body, in world axes [N m].
+  void add_constant_torque(Anchor at, const Vector3d& torque);
   void set_user_force(UserForce force) { user_ = std::move(force); }
 
   struct Built;
@@ -137,6 +139,7 @@ class SystemBuilder {
   struct BodyNode {
     MassProperties properties;
     BodyStart start;
+    Vector3d torque = Vector3d::Zero();
   };
   void build_bodies(Built& out) const;
   struct RowId {

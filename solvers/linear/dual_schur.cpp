@@ -11,7 +11,7 @@ std::string DualSchur::refusal(const System&, bool geometric) {
 Status DualSchur::analyze(const System& s, bool) {
   system_ = &s;
   incidences_ = incidences(s);
-  row_.clear(), pairs_.clear(), mixed_.clear(), diagonal_.clear();
+  row_.clear(), pairs_.clear(), mixed_.clear(), mixed_block_.clear(), mixed_entry_.clear(), diagonal_.clear();
 
   // vertices are active rows, edges the pairs that meet at a node
   std::vector<int> vertex(s.rows, -1), active;
@@ -45,18 +45,29 @@ Status DualSchur::analyze(const System& s, bool) {
   // every product of two blocks at a node has its place
   const SymmetricPattern& pattern = factor_.pattern();
   auto isotropic = [&](int node) { return s.free[node] == kFree || s.free[node] == kPinned; };
-  for (const std::vector<int>& here : at_node)
+  std::size_t most = 0;
+  for (const std::vector<int>& here : at_node) {
+    std::vector<int> entries;
+    bool any = false;
     for (std::size_t i = 0; i < here.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) {
         const Incidence &x = incidences_[here[i]], &y = incidences_[here[j]];
         const int entry = pattern.slot(unknown[x.row], unknown[y.row]);
-        const double sign = x.sign * y.sign;
         const bool simple = x.distance && y.distance && isotropic(x.node);
+        const bool own =
+            simple && x.row == y.row && isotropic(s.distance.a[x.row]) && isotropic(s.distance.b[x.row]);
         if (simple && x.row != y.row)
-          pairs_.push_back({entry, x.offset, y.offset, 3 * x.node, sign, 0.0});
-        else if (!simple || !isotropic(s.distance.a[x.row]) || !isotropic(s.distance.b[x.row]))
-          mixed_.push_back({entry, 3 * x.node, here[i], here[j], sign});
+          pairs_.push_back({entry, x.offset, y.offset, 3 * x.node, x.sign * y.sign, 0.0});
+        entries.push_back(simple && (own || x.row != y.row) ? -1 : entry);
+        any = any || entries.back() >= 0;
       }
+    if (!any) continue;
+    mixed_.push_back({3 * incidences_[here[0]].node, static_cast<int>(here.size())});
+    mixed_block_.insert(mixed_block_.end(), here.begin(), here.end());
+    mixed_entry_.insert(mixed_entry_.end(), entries.begin(), entries.end());
+    most = std::max(most, here.size());
+  }
+  blocks_.assign(6 * most, 0.0);
   std::sort(pairs_.begin(), pairs_.end(), [](const Pair& x, const Pair& y) { return x.entry < y.entry; });
   for (int i = 0; i < pattern.size; ++i) diagonal_.push_back({pattern.slot(i, i), row_[i]});
   step_serial_ = -1;
@@ -92,10 +103,22 @@ void DualSchur::assemble(const Kkt& kkt) {
     const double *x = u + t.left, *y = u + t.right;
     values_[t.entry] += t.weight * (x[0] * y[0] + x[1] * y[1] + x[2] * y[2]);
   }
-  for (const Product& t : mixed_) {
-    const double *x = incidences_[t.left].block(u, kkt.jacobian.data()),
-                 *y = incidences_[t.right].block(u, kkt.jacobian.data()), *w = W + t.coordinate;
-    values_[t.entry] += t.sign * (x[0] * w[0] * y[0] + x[1] * w[1] * y[1] + x[2] * w[2] * y[2]);
+  const int *block = mixed_block_.data(), *entry = mixed_entry_.data();
+  for (const NodeProducts& node : mixed_) {
+    double *x = blocks_.data(), *Wx = x + 3 * node.blocks;
+    for (int i = 0; i < node.blocks; ++i) {
+      const Incidence& incidence = incidences_[*block++];
+      const double* from = incidence.block(u, kkt.jacobian.data());
+      for (int c = 0; c < 3; ++c) {
+        x[3 * i + c] = incidence.sign * from[c];
+        Wx[3 * i + c] = W[node.coordinate + c] * x[3 * i + c];
+      }
+    }
+    for (int i = 0; i < node.blocks; ++i)
+      for (int j = 0; j <= i; ++j, ++entry)
+        if (*entry >= 0)
+          values_[*entry] +=
+              Wx[3 * i] * x[3 * j] + Wx[3 * i + 1] * x[3 * j + 1] + Wx[3 * i + 2] * x[3 * j + 2];
   }
 }
 

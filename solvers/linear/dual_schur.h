@@ -38,9 +38,8 @@ class DualSchur {
     int entry, left, right, coordinate;
     double sign, weight;
   };
-  struct Product {  // S[entry] += sign block_i . Mt^-1 block_j: anything else
-    int entry, coordinate, left, right;
-    double sign;
+  struct NodeProducts {  // S[entry] += block_i . Mt^-1 block_j of all blocks at a node, i >= j; anything else
+    int coordinate, blocks;
   };
   struct Diagonal {  // its own products of a distance row between such nodes: 1/m_a + 1/m_b, since |u| = 1
     int entry, row;
@@ -52,7 +51,10 @@ class DualSchur {
   std::vector<int> row_;  // row of each unknown
   std::vector<Diagonal> diagonal_;
   std::vector<Pair> pairs_;
-  std::vector<Product> mixed_;  // left and right index incidences_
+  std::vector<NodeProducts> mixed_;
+  std::vector<int> mixed_block_,
+      mixed_entry_;             // of incidences_; -1: that product is one of pairs_ or constant
+  std::vector<double> blocks_;  // those of one node, then Mt^-1 times them
   long step_serial_ = -1;       // of the Kkt whose masses and gamma constant_ and pairs_ hold
   std::vector<Incidence> incidences_;
   CholmodFactor factor_;

@@ -389,7 +389,7 @@ TEST(Combined, DoesNotDependOnOrderOrGrouping) {
 TEST(SolidMesh, ACubeIsExact) {
   const MassProperties cube = cube_mesh().properties();
   EXPECT_EQ(cube.mass, 1.0);
-  EXPECT_LT(largest(cube.centre), 1e-16);                                // 0; 8e-18 with FMA
+  EXPECT_LT(largest(cube.centre), 1e-16);                                // 0; 2e-18 with FMA
   EXPECT_LT(largest(cube.inertia - Matrix3d::Identity() / 6.0), 1e-16);  // 0
 }
 
