@@ -1,7 +1,9 @@
-// Leapfrog with velocity-implicit second kick. History::force holds F(q, v) of the last step's end: the next
-// first kick needs no new evaluation. With C = B + J^T b J the second kick is (M + dt/2 C) v' = M v+ + dt/2
-// F0(q'), F0 without damping.
+// Leapfrog with velocity-implicit second kick; RATTLE with hard rows. History::force holds F(q, v) of the
+// last step's end: the next first kick needs no new evaluation. With C = B + J^T b J the second kick is (M +
+// dt/2 C) v' = M v+ + dt/2 F0(q'), F0 without damping.
 #include "solvers/leapfrog.h"
+
+#include <cmath>
 
 #include "solvers/impulse_ledger.h"
 
@@ -11,22 +13,56 @@ Leapfrog::Leapfrog(const System& system, const IntegratorOptions& options)
     : system_(&system), options_(options) {}
 
 Status Leapfrog::prepare() {
-  damping_.reset();
-  if (!system_->has_damping) return {};
-  damping_ = std::make_unique<Damping>(Damping{{}, LinearSolver(options_.route, options_.solve), {}});
-  damping_->kkt.prepare(*system_);
-  return damping_->solver.analyze(*system_, false);
+  matrix_.reset();
+  if (!system_->has_damping && !system_->has_hard_rows) return {};
+  matrix_ = std::make_unique<Matrix>(Matrix{{}, LinearSolver(options_.route, options_.solve), {}, {}, {}});
+  matrix_->kkt.prepare(*system_);
+  return matrix_->solver.analyze(*system_, false);
 }
 
-Status Leapfrog::damped_kick(double dt, const State& half, VectorXd& v_next) {
-  Kkt& kkt = damping_->kkt;
+// (M + dt/2 C) v' = M v + dt/2 F0 with J v' = 0 on hard rows
+Status Leapfrog::solve_kick(double dt, const State& half, VectorXd& v_next) {
+  Kkt& kkt = matrix_->kkt;
   kkt.set_step(0.0, 0.5 * dt);
   if (Status status = kkt.evaluate(half.q, false); !status.ok()) return status;
   kkt.p.array() = system_->inertia.array() * half.v.array() + 0.5 * dt * force_.array();
   for (int i : system_->masked) kkt.p[i] = 0.0;
   kkt.r.setZero();
-  if (Status status = damping_->solver.factor(kkt); !status.ok()) return status;
-  return damping_->solver.solve(kkt, v_next, damping_->y).status;
+  if (Status status = matrix_->solver.factor(kkt); !status.ok()) return status;
+  return matrix_->solver.solve(kkt, v_next, matrix_->y).status;
+}
+
+// Drift that ends on the hard rows: w += W J(q)^T y until phi(q') = 0, by corrections of J(q) dv =
+// -phi(q')/dt. Contracts by O(dt) each.
+Status Leapfrog::drift_on_rows(double dt, const VectorXd& q, VectorXd& w, State& next) {
+  constexpr int kMostCorrections = 100;
+  constexpr double kRounding = 4.0 * 2.2e-16, kClosed = 1e-11;
+  const System& s = *system_;
+  Kkt& kkt = matrix_->kkt;
+  kkt.set_step(0.0, 0.0);  // only hard rows act
+  if (Status status = kkt.evaluate(q, false); !status.ok()) return status;
+  if (Status status = matrix_->solver.factor(kkt); !status.ok()) return status;
+  kkt.p.setZero();
+  const double size = q.lpNorm<Eigen::Infinity>();
+  double before = HUGE_VAL;
+  for (int i = 0; i < kMostCorrections; ++i) {
+    next.v = w;
+    drift(dt, q, next);
+    evaluate_phi(s, next.q, matrix_->phi);
+    double open = 0.0;
+    for (int k = 0; k < s.rows; ++k) {
+      kkt.r[k] = std::isinf(s.stiffness[k]) ? matrix_->phi[k] / dt : 0.0;
+      open = std::max(open, std::abs(dt * kkt.r[k]));
+    }
+    if (open <= kRounding * size || (open <= kClosed * size && open > 0.5 * before)) return {};
+    if (!std::isfinite(open) || i + 1 == kMostCorrections) break;
+    before = open;
+    if (Status status = matrix_->solver.solve(kkt, matrix_->dv, matrix_->y).status; !status.ok())
+      return status;
+    w += matrix_->dv;
+  }
+  return Status::failure(StatusCode::kNotConverged,
+                         "the drift does not end on the hard rows: the step is too long");
 }
 
 // Particles and centres move straight, bodies turn freely.
@@ -61,31 +97,51 @@ Status Leapfrog::step(double dt, State& state, History& history, EnergyLedger* l
 
   // first kick and drift
   kernel.kick(n, half, s.inverse_mass.data(), history.force.data(), state.v.data(), next_.v.data());
-  const VectorXd kicked = ledger ? next_.v : VectorXd();
-  drift(dt, state.q, next_);
+  VectorXd kicked = ledger ? next_.v : VectorXd();
+  if (s.has_hard_rows) {
+    VectorXd w = next_.v;
+    if (Status status = drift_on_rows(dt, state.q, w, next_); !status.ok()) return status;
+    if (ledger) kicked = w;
+  } else {
+    drift(dt, state.q, next_);
+  }
   next_.t = state.t + dt;
 
   // second kick
   const bool damped = s.has_damping || s.forces.has_drag;
   if (Status status = evaluate_undamped_forces(s, next_, force_); !status.ok()) return status;
   ++counts_.steps, ++counts_.force_evaluations;
-  if (s.has_damping) {
-    if (Status status = damped_kick(dt, next_, v_next_); !status.ok()) return status;
+  if (matrix_) {
+    if (Status status = solve_kick(dt, next_, v_next_); !status.ok()) return status;
   } else if (damped) {
     v_next_ = (next_.v.array() + half * W * force_.array()) / (1.0 + half * W * s.forces.drag.array());
   } else {
     kernel.kick(n, half, s.inverse_mass.data(), force_.data(), next_.v.data(), v_next_.data());
   }
-  if (damped) force_ = s.inertia.cwiseProduct(v_next_ - next_.v) / half;  // the damped force this kick used
+  // what this kick used: F(q', v'), and with hard rows their force too, which the next first kick must not
+  // repeat
+  const bool own = damped || s.has_hard_rows;
+  VectorXd used;
+  if (own) used = s.inertia.cwiseProduct(v_next_ - next_.v) / half;
+  if (s.has_hard_rows && damped) {
+    State end = next_;
+    end.v = v_next_;
+    if (Status status = evaluate_forces(s, end, force_); !status.ok()) return status;
+    ++counts_.force_evaluations;
+  } else if (damped) {
+    force_ = used;
+  }
 
   ImpulseLedger record(s, state, ledger);
   if (ledger) {
-    record.kick(half, state, history.force, state.v, kicked);
+    const VectorXd first =
+        s.has_hard_rows ? VectorXd(s.inertia.cwiseProduct(kicked - state.v) / half) : history.force;
+    record.kick(half, state, first, state.v, kicked);
     if (!s.bodies.empty())
       ledger->numerical = kinetic_energy_change(s, kicked, next_.v);  // of the free rotation
     State end = next_;
     end.v = v_next_;
-    record.kick(half, end, force_, next_.v, v_next_);
+    record.kick(half, end, own ? used : force_, next_.v, v_next_);
   }
   std::swap(next_.v, v_next_);
   std::swap(state, next_);

@@ -14,7 +14,7 @@ class Leapfrog {
  public:
   static constexpr IntegratorInfo kInfo{"leapfrog", 2, false, true,
                                         "one right-hand side per step; symplectic without damping"};
-  static std::string refusal(const System& system) { return refuse_hard_rows(system, kInfo.name); }
+  static std::string refusal(const System&) { return {}; }
 
   Leapfrog(const System& system, const IntegratorOptions& options);
   Status prepare();
@@ -23,16 +23,17 @@ class Leapfrog {
 
  private:
   void drift(double dt, const VectorXd& q, State& next) const;
-  Status damped_kick(double dt, const State& half, VectorXd& v_next);
+  Status solve_kick(double dt, const State& half, VectorXd& v_next);
+  Status drift_on_rows(double dt, const VectorXd& q, VectorXd& w, State& next);
 
-  struct Damping {  // only where rows are damped
+  struct Matrix {  // only where rows are damped or hard
     Kkt kkt;
     LinearSolver solver;
-    VectorXd y;
+    VectorXd y, dv, phi;
   };
   const System* system_;
   IntegratorOptions options_;
-  std::unique_ptr<Damping> damping_;
+  std::unique_ptr<Matrix> matrix_;
   VectorXd force_, v_next_;
   State next_;
   StepCounts counts_;

@@ -186,6 +186,81 @@ TEST(Bodies, NewtonClosesHardJointsTo1e10) {
   EXPECT_LT(worst, 1e-10);
 }
 
+TEST(Rattle, ClosesHardJointsInPositionAndVelocity) {
+  const auto [s, start] = jointed_bricks(5);
+  Integrator rattle = make_integrator("leapfrog", s);
+  State state = start;
+  History history;
+  Kkt kkt;
+  kkt.prepare(s);
+  double gap = 0.0, rate = 0.0;
+  VectorXd Jv;
+  const RunResult result =
+      simulate(s, rattle, state, history,
+               {.dt = 0.005, .end_time = 2.0, .observer = [&](const State& at, const History&) {
+                  gap = std::max(gap, largest_gap(s, at));
+                  EXPECT_TRUE(kkt.evaluate(at.q).ok());
+                  kkt.multiply_jacobian(at.v, Jv);
+                  rate = std::max(rate, Jv.cwiseAbs().maxCoeff());
+                  return true;
+                }});
+  ASSERT_TRUE(result.status.ok()) << result.status.reason;
+  ASSERT_GT((state.q - start.q).norm(), 0.3);
+  EXPECT_LT(gap, 1e-13);
+  EXPECT_LT(rate, 1e-12);
+}
+
+TEST(Rattle, IsOfSecondOrder) {
+  const auto [s, start] = jointed_bricks(3);
+  const State exact = run("leapfrog", s, start, 1.25e-4, 0.4);
+  auto error = [&](double dt) { return (run("leapfrog", s, start, dt, 0.4).q - exact.q).norm(); };
+  EXPECT_NEAR(std::log2(error(4e-3) / error(2e-3)), 2.0, 0.1);
+}
+
+TEST(Rattle, KeepsTheEnergyOfATriplePendulumWithoutTrend) {
+  const auto [s, start] = jointed_bricks(3);
+  Integrator rattle = make_integrator("leapfrog", s);
+  State state = start;
+  History history;
+  const double energy = total_energy(s, start);
+  double early = 0.0, late = 0.0;
+  const RunResult result =
+      simulate(s, rattle, state, history,
+               {.dt = 0.002, .end_time = 20.0, .observer = [&](const State& at, const History&) {
+                  double& worst = at.t < 10.0 ? early : late;
+                  worst = std::max(worst, std::abs(total_energy(s, at) - energy));
+                  return true;
+                }});
+  ASSERT_TRUE(result.status.ok()) << result.status.reason;
+  ASSERT_GT(early, 1e-6);
+  EXPECT_LT(late, 3.0 * early);
+}
+
+TEST(Rattle, KeepsTheMomentaOfAFreeLinkedPair) {
+  SystemBuilder builder;
+  const Anchor one = builder.add_body(brick(), {.velocity = {0.1, 0, 0}, .angular_velocity = {1, 2, 3}});
+  const Anchor two = builder.add_body(
+      brick(), {.position = {0.5, 0, 0},
+                .velocity = Vector3d(0.1, 0, 0) + Vector3d(1, 2, 3).cross(Vector3d(0.5, 0, 0)),
+                .angular_velocity = {1, 2, 3}});
+  builder.add(BallRow{
+      {{.body = one.body, .point = {0.25, 0, 0}}, {.body = two.body, .point = {-0.25, 0, 0}}, INFINITY}});
+  const auto [s, start] = builder.build();
+  const State end = run("leapfrog", s, start, 0.01, 100.0);
+  ASSERT_GT((end.q - start.q).norm(), 1.0);
+  EXPECT_LT((linear_momentum(s, end) - linear_momentum(s, start)).norm(),
+            1e-12 * linear_momentum(s, start).norm());
+  EXPECT_LT((angular_momentum(s, end) - angular_momentum(s, start)).norm(),
+            1e-10 * angular_momentum(s, start).norm());
+}
+
+TEST(Rattle, AgreesWithNewtonAsTheStepGoesToZero) {
+  const auto [s, start] = jointed_bricks(2);
+  const State rattle = run("leapfrog", s, start, 1e-3, 0.2);
+  auto gap = [&](double dt) { return (run("implicit_euler_newton", s, start, dt, 0.2).q - rattle.q).norm(); };
+  EXPECT_NEAR(std::log2(gap(1e-3) / gap(5e-4)), 1.0, 0.1);
+}
+
 TEST(Bodies, RigidJointsAreTheLimitOfStiffOnes) {
   const auto [rigid, start] = jointed_bricks(3);
   const State limit = run("implicit_euler_newton", rigid, start, 0.01, 0.3);
