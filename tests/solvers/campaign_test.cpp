@@ -9,6 +9,7 @@
 
 #include "engine/kernels.h"
 #include "solvers/simulate.h"
+#include "tests/solvers/random_mechanism.h"
 #include "tests/solvers/random_system.h"
 
 namespace feder {
@@ -97,6 +98,49 @@ TEST(Campaign, LedgersOfImplicitStepsClose) {
   }
   EXPECT_GT(closed, campaign_cases(5000) * 10);  // of 12 each
   EXPECT_LT(failed, campaign_cases(5000) / 5);   // nearly all Newton
+}
+
+TEST(Campaign, RoutesAgreeOnRandomMechanisms) {
+  for (int seed = 0; seed < campaign_cases(5000); ++seed) {
+    const auto [system, state] = test::random_mechanism(seed, 2 + seed % 15, 0.5, 1e4);
+    const Kkt kkt = test::implicit_euler_kkt(system, state, 0.01);
+    VectorXd dense_v, v, y;
+    for (const char* route : {"dense", "kkt", "dual", "auto"}) {
+      LinearSolver solver(route);
+      ASSERT_TRUE(solver.analyze(system, false).ok());
+      ASSERT_TRUE(solver.factor(kkt).ok()) << "seed " << seed << " " << route;
+      ASSERT_TRUE(solver.solve(kkt, v, y).status.ok()) << "seed " << seed << " " << route;
+      if (dense_v.size() == 0) dense_v = v;
+      EXPECT_LT((v - dense_v).norm(), 1e-9 * dense_v.norm()) << "seed " << seed << " " << route;
+    }
+  }
+}
+
+TEST(Campaign, HardJointsOfRandomMechanismsStayClosed) {
+  int failed = 0;
+  for (int seed = 0; seed < campaign_cases(1000); ++seed) {
+    const auto [system, start] = test::random_mechanism(seed, 2 + seed % 10, 1.0, 0.0);
+    for (const char* name : {"leapfrog", "implicit_euler_newton"}) {
+      Integrator integrator = make_integrator(name, system);
+      State state = start;
+      History history;
+      VectorXd phi;
+      std::vector<EnergyLedger> ledgers;
+      const RunResult run =
+          simulate(system, integrator, state, history, {.dt = 2e-3, .end_time = 0.2, .ledgers = &ledgers});
+      if (!run.status.ok()) {
+        ++failed;
+        continue;
+      }
+      evaluate_phi(system, state.q, phi);
+      for (int k = 0; k < system.rows; ++k)
+        if (std::isinf(system.stiffness[k]))
+          EXPECT_NEAR(phi[k], 0.0, 1e-10) << "seed " << seed << " " << name;
+      for (const EnergyLedger& ledger : ledgers)
+        EXPECT_LT(std::abs(ledger.imbalance()), 1e-9 * ledger.magnitude()) << "seed " << seed << " " << name;
+    }
+  }
+  EXPECT_LE(failed, campaign_cases(1000) / 50);
 }
 
 TEST(Campaign, VectorKernelsAgreeWithTheScalarOnes) {
