@@ -38,8 +38,9 @@ std::uint64_t reference_hash(const System& s, const State& initial, double end_t
   Fnv1a hash;
   hash.add(kCacheVersion);
   hash_scene(hash, s, initial);
-  for (double x : {end_time, o.judge.relative_tolerance, o.judge.position_tolerance,
-                   o.judge.velocity_tolerance, o.judge.multiplier_tolerance, o.explicit_fraction})
+  for (double x :
+       {end_time, o.judge.relative_tolerance, o.judge.position_tolerance, o.judge.velocity_tolerance,
+        o.judge.multiplier_tolerance, o.explicit_fraction, o.halving_accuracy, o.halving_seconds})
     hash.add(x);
   hash.add(o.judge.form);
   hash.add(o.most_ida_unknowns);
@@ -211,6 +212,39 @@ Reference explicit_reference(const System& s, const State& initial, double end_t
   return r;
 }
 
+Reference halving_reference(const System& s, const State& initial, double end_time,
+                            const ReferenceOptions& o) {
+  constexpr std::int64_t kFirst = 64, kMost = std::int64_t{1} << 24;
+  const char* name = s.has_hard_rows ? "leapfrog" : "rk4";
+  const double span = end_time - initial.t;
+  const double size = std::max(1e-300, initial.q.head(3 * s.places()).lpNorm<Eigen::Infinity>());
+  Reference r{Status::failure(StatusCode::kNotConverged, "no two step sizes within the budget"), initial, 0.0,
+              name, false};
+  double spent = 0.0;
+  std::optional<State> coarse;
+  for (std::int64_t steps = kFirst; steps <= kMost && spent < o.halving_seconds; steps *= 2) {
+    Integrator integrator = make_integrator(name, s);
+    State fine = initial;
+    History history;
+    const double dt = span / static_cast<double>(steps);
+    const RunResult run =
+        simulate(s, integrator, fine, history,
+                 {.dt = dt, .end_time = end_time, .max_seconds = o.halving_seconds - spent});
+    spent += run.seconds;
+    if (run.status.ok() && coarse) {
+      r.status = {};
+      r.error = position_error(s, *coarse, fine);
+      r.method = std::string(name) + ", dt " + number(2.0 * dt) + " and " + number(dt);
+    }
+    if (run.status.ok()) coarse = r.state = fine;
+    // too long a step fails, and the next is half of it; the first failure explains if none succeeds
+    if (!run.status.ok() && run.status.code != StatusCode::kLimitReached && !coarse) r.status = run.status;
+    if (run.status.code == StatusCode::kRefused || (r.status.ok() && r.error <= o.halving_accuracy * size))
+      break;
+  }
+  return r;
+}
+
 std::optional<fs::path> reference_cache_file(const System& s, const State& initial, double end_time,
                                              const ReferenceOptions& o) {
   FEDER_CHECK(initial.q.size() == s.position_size() && initial.v.size() == 3 * s.nodes,
@@ -228,7 +262,14 @@ Reference make_reference(const System& s, const State& initial, double end_time,
   const std::uint64_t hash = file ? reference_hash(s, initial, end_time, o) : 0;
   if (file)
     if (std::optional<Reference> known = load(*file, hash, 3 * s.nodes)) return std::move(*known);
-  const bool small = 2 * s.free_count <= o.most_ida_unknowns || s.has_hard_rows || !(end_time > initial.t);
+  if (s.has_hard_rows || !s.bodies.empty()) {
+    Reference r;
+    r.state = initial;
+    if (end_time > initial.t) r = halving_reference(s, initial, end_time, o);
+    if (file && r.status.ok()) store(*file, encode(r, hash));
+    return r;
+  }
+  const bool small = 2 * s.free_count <= o.most_ida_unknowns || !(end_time > initial.t);
   Reference r = small ? ida_reference(s, initial, end_time, o) : explicit_reference(s, initial, end_time, o);
   if (small && r.status.code == StatusCode::kLimitReached) {
     const std::string why = r.status.reason;

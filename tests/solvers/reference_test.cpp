@@ -8,6 +8,7 @@
 #include <functional>
 #include <set>
 
+#include "models/catalog.h"
 #include "tests/support/scenes.h"
 
 namespace feder {
@@ -128,9 +129,12 @@ TEST_F(ReferenceCache, UnwritableFolderCostsTimeOnly) {
 }
 
 TEST_F(ReferenceCache, FailuresAreNotKept) {
-  const auto [system, state] = mixed_scene(2, {.rods = true, .user_force = false});
+  SystemBuilder builder;  // the same rod twice
+  const Anchor a = builder.add_world_point({0, 0, 0}), b = builder.add_particle(1.0, {1, 0, 0});
+  for (int i = 0; i < 2; ++i) builder.add_distance(a, b, {INFINITY});
+  const auto [system, state] = builder.build();
   const Reference reference = make_reference(system, state, 1.0, options_);
-  EXPECT_EQ(reference.status.code, StatusCode::kRefused);
+  EXPECT_EQ(reference.status.code, StatusCode::kSingular);
   EXPECT_NE(reference.status.reason.find("distance row"), std::string::npos) << reference.status.reason;
   EXPECT_FALSE(fs::exists(folder_));
 }
@@ -202,6 +206,30 @@ TEST(Reference, ExhaustedJudgeIsReplacedAndTheMethodSaysSo) {
   EXPECT_TRUE(reference.status.ok()) << reference.status.reason;
   EXPECT_EQ(reference.method.substr(0, 8), "leapfrog");
   EXPECT_NE(reference.method.find("step budget"), std::string::npos) << reference.method;
+}
+
+TEST(HalvingReference, OfARodPendulumIsAsGoodAsItSays) {
+  const Model model = make_model("pendulum");
+  const double end = 0.4 * model.end_time;
+  ReferenceOptions options;
+  options.halving_accuracy = 1e-5;
+  const Reference r = halving_reference(model.system, model.state, end, options);
+  ASSERT_TRUE(r.status.ok()) << r.status.reason;
+  EXPECT_LT(r.error, 1e-5);
+  EXPECT_GT(r.error, 0.0);
+  EXPECT_LT(position_error(model.system, r.state, model.exact(end)), r.error);  // order 2: a third of it
+}
+
+TEST(HalvingReference, OfAJointedChainShrinksWithItsTarget) {
+  const Model model = make_model("S3c(3)");
+  ReferenceOptions rough, fine;
+  rough.halving_accuracy = 1e-3;
+  fine.halving_accuracy = 1e-5;
+  const Reference a = halving_reference(model.system, model.state, 0.2, rough),
+                  b = halving_reference(model.system, model.state, 0.2, fine);
+  ASSERT_TRUE(a.status.ok() && b.status.ok());
+  EXPECT_LT(b.error, 1e-5 * 0.3);
+  EXPECT_LT(position_error(model.system, a.state, b.state), a.error);
 }
 
 }  // namespace
