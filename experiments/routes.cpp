@@ -92,7 +92,7 @@ Status linearise(const System& s, const State& state, Kkt& kkt) {
   kkt.prepare(s);
   kkt.set_step(kDt * kDt, kDt);
   kkt.p = s.inertia.cwiseProduct(state.v) + kDt * s.forces.constant;
-  const Status status = kkt.evaluate(state.q);
+  Status status = kkt.evaluate(state.q);
   kkt.r = kkt.phi / kDt;
   return status;
 }

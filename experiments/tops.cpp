@@ -160,7 +160,7 @@ Chart make_chart(const Table& table) {
                 .x = {.label = "time step dt [s]", .log = true},
                 .y = {.label = "relative error", .log = true, .min = 1e-16, .max = 10.0}};
     for (std::size_t look = 0; look < methods.size(); ++look)
-      for (Series& series : series_by(table, "method", "dt", column, [&](std::size_t row) {
+      for (Series& series : series_by(table, "method", "dt", column, [&, column = column](std::size_t row) {
              return table.at(row, "method").text() == methods[look] &&
                     (table.at(row, column).number() > 0.0 || table.at(row, column).empty());
            })) {

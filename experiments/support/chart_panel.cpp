@@ -42,7 +42,7 @@ class PanelScript {
   }
 
   std::string add_block(const std::string& lines) {
-    const std::string name = fmt::format("$panel{}_{}", number_, ++blocks_);
+    std::string name = fmt::format("$panel{}_{}", number_, ++blocks_);
     data_ += fmt::format("{} << EOD\n{}EOD\n", name, lines);
     return name;
   }
