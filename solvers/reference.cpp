@@ -165,6 +165,9 @@ double position_error(const System& s, const State& a, const State& b) {
     sum += s.mass[i] * (a.q.segment<3>(3 * i) - b.q.segment<3>(3 * i)).squaredNorm();
     mass += s.mass[i];
   }
+  for (const Body& body : s.bodies)
+    if (s.free[body.centre] == kPinned && s.free[body.spin] != kPinned) mass += s.mass[body.centre];
+  sum += rotation_error(s, a.q, b.q);
   return mass > 0.0 ? std::sqrt(sum / mass) : 0.0;
 }
 

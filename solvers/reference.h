@@ -33,7 +33,7 @@ struct Reference {
   bool from_cache = false;
 };
 
-/// sqrt(sum m |dx|^2 / sum m) over the particles that can move [m].
+/// sqrt(sum m |dx|^2 / sum m) over the particles that can move and the points of the bodies [m].
 double position_error(const System& system, const State& a, const State& b);
 
 /// The trajectory's end by IDA at two tolerances; on scenes too large for it, or where its budget runs out

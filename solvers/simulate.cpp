@@ -108,15 +108,38 @@ RunResult simulate(const System& system, Integrator& integrator, State& state, H
   return result;
 }
 
+double rotation_error(const System& s, const VectorXd& q_a, const VectorXd& q_b) {
+  double sum = 0.0;
+  for (const Body& b : s.bodies) {
+    const Matrix3d R =
+        rotation_matrix(q_a.data() + b.quaternion).transpose() * rotation_matrix(q_b.data() + b.quaternion);
+    const Vector3d axis =
+        0.5 * Vector3d(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));  // sin(theta)
+    const double sine = axis.norm(), angle = std::atan2(sine, 0.5 * (R.trace() - 1.0));
+    const Vector3d theta = sine > 1e-8 ? Vector3d(angle / sine * axis) : axis;
+    // half a turn apart the axis is lost: any axis is wrong by that much
+    sum += sine <= 1e-8 && angle > 1.0 ? angle * angle * b.moments.maxCoeff()
+                                       : theta.dot(b.moments.cwiseProduct(theta));
+  }
+  return sum;
+}
+
 double doubling_error(const System& s, const State& full, const State& halves, double dt, int order) {
   double sum = 0.0;
   for (int i = 0; i < s.places(); ++i)
     if (s.free[i])
       sum += s.mass[i] * ((halves.q.segment<3>(3 * i) - full.q.segment<3>(3 * i)).squaredNorm() +
                           dt * dt * (halves.v.segment<3>(3 * i) - full.v.segment<3>(3 * i)).squaredNorm());
+  sum += rotation_error(s, full.q, halves.q);
+  for (const Body& b : s.bodies) {
+    const Vector3d dw = halves.v.segment<3>(3 * b.spin) - full.v.segment<3>(3 * b.spin);
+    sum += dt * dt * dw.dot(b.moments.cwiseProduct(dw));
+  }
   double mass = 0.0;
   for (int i = 0; i < s.nodes; ++i)
     if (s.free[i]) mass += s.mass[i];
+  for (const Body& b : s.bodies)
+    if (!s.free[b.centre] && s.free[b.spin]) mass += s.mass[b.centre];  // it only turns
   return std::sqrt(sum / mass) / (std::ldexp(1.0, order) - 1.0);
 }
 

@@ -59,6 +59,10 @@ struct AdaptiveResult {
 AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, State& state, History& history,
                                  const AdaptiveOptions& options);
 
+/// Sum over the bodies of theta.I theta [kg m^2], theta the small turn from a to b: what their points move
+/// apart, weighted by mass.
+double rotation_error(const System& system, const VectorXd& q_a, const VectorXd& q_b);
+
 /// Estimate of the local error after one full and two half steps of a method of order p: |y_2half - y_full| /
 /// (2^p - 1), in mass-weighted rms of position and dt times velocity [m].
 double doubling_error(const System& system, const State& full, const State& halves, double dt, int order);

@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "solvers/reference.h"
 #include "solvers/simulate.h"
 #include "tests/solvers/random_system.h"
+#include "tests/support/random.h"
 
 namespace feder {
 namespace {
@@ -184,6 +186,54 @@ TEST(Bodies, NewtonClosesHardJointsTo1e10) {
   ASSERT_TRUE(result.status.ok()) << result.status.reason;
   ASSERT_GT((state.q - start.q).norm(), 0.3);  // it swung
   EXPECT_LT(worst, 1e-10);
+}
+
+TEST(Bodies, PositionErrorIsThatOfTheirPoints) {
+  Random random(5);
+  std::vector<PointMass> points;
+  for (int i = 0; i < 6; ++i) points.push_back({random.uniform(0.2, 1.0), random.vector(0.5)});
+  SystemBuilder builder;
+  builder.add_body(point_masses("points", points), {});
+  const auto [s, a] = builder.build();
+  State b = a;
+  VectorXd v(6);
+  v << 1e-5, -2e-5, 3e-5, 2e-5, 4e-5, -1e-5;
+  advance(s, 1.0, v, b.q, b.q);
+  double sum = 0.0, mass = 0.0;
+  for (const PointMass& point : points) {
+    const Anchor at{.body = 0, .point = point.position};
+    sum += point.mass * (position(s, at, b.q) - position(s, at, a.q)).squaredNorm();
+    mass += point.mass;
+  }
+  EXPECT_NEAR(position_error(s, a, b) / std::sqrt(sum / mass), 1.0, 1e-4);  // quadratic in the turn
+}
+
+TEST(Bodies, RotationErrorIsTheAngleWhateverItsSize) {
+  const auto [s, a] = top(1.0);
+  for (double angle : {1e-10, 1e-3, 1.0, 3.0}) {
+    State b = a;
+    VectorXd v = VectorXd::Zero(6);
+    v[5] = angle;
+    advance(s, 1.0, v, b.q, b.q);
+    EXPECT_NEAR(rotation_error(s, a.q, b.q) / (angle * angle * s.bodies[0].moments[2]), 1.0, 1e-5) << angle;
+  }
+}
+
+TEST(Bodies, StepDoublingControlsTheTurnOfAFreeTop) {
+  const auto [s, start] = top(10.0);
+  const State exact = run("rk4", s, start, 1e-4, 1.0);
+  auto error = [&](double tolerance) {
+    Integrator integrator = make_integrator("rk4", s);
+    State state = start;
+    History history;
+    EXPECT_TRUE(simulate_adaptive(s, integrator, state, history, {.tolerance = tolerance, .end_time = 1.0})
+                    .status.ok());
+    return position_error(s, state, exact);
+  };
+  const double rough = error(1e-4), fine = error(1e-7);
+  EXPECT_LT(rough, 1e-3);
+  EXPECT_LT(fine, 1e-6);
+  EXPECT_GT(rough, 10.0 * fine);
 }
 
 TEST(Rattle, ClosesHardJointsInPositionAndVelocity) {
