@@ -13,6 +13,16 @@
 #include "engine/check.h"
 
 namespace feder {
+
+Matrix3d rotation(const Place& place, const double* q) {
+  return place.spin < 0 ? Matrix3d(Matrix3d::Identity()) : rotation_matrix(q + place.quaternion);
+}
+
+Matrix3d turned_twice(const Matrix3d& R, const Vector3d& s, const Vector3d& f) {
+  const Vector3d g = R.transpose() * f;
+  return 0.5 * (g * s.transpose() + s * g.transpose()) - g.dot(s) * Matrix3d::Identity();
+}
+
 namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor, 3, 12>;
@@ -23,21 +33,15 @@ Place resolved(const Anchor& anchor, const std::vector<Body>& bodies) {
   return {b.centre, b.spin, b.quaternion, b.axes.transpose() * (anchor.point - b.centre_point)};
 }
 
-Matrix3d rotation(const Place& place, const double* q) {
-  return place.spin < 0 ? Matrix3d(Matrix3d::Identity()) : rotation_matrix(q + place.quaternion);
-}
-
-// second derivative of f.(R s) by the rotation, in body axes
-Matrix3d turned_twice(const Matrix3d& R, const Vector3d& s, const Vector3d& f) {
-  const Vector3d g = R.transpose() * f;
-  return 0.5 * (g * s.transpose() + s * g.transpose()) - g.dot(s) * Matrix3d::Identity();
-}
+}  // namespace
 
 void check_direction(const std::string& where, const char* name, const Vector3d& n) {
   if (!(std::abs(n.norm() - 1.0) <= 1e-9)) fail_input(where, name, n.norm(), "", "a direction of length 1");
 }
 
-}  // namespace
+Vector3d in_principal_axes(const Anchor& anchor, const Vector3d& n, const std::vector<Body>& bodies) {
+  return anchor.body < 0 ? n : Vector3d(bodies[anchor.body].axes.transpose() * n);
+}
 
 void AnchorPair::resolve(const std::vector<Body>& bodies) {
   at_a = resolved(a, bodies);
@@ -125,10 +129,34 @@ void AnchorDistanceRow::hessian(const double* q, const double* lambda,
   add_curvature(q, *lambda * u, out);
 }
 
+double AnchorPair::dot(const double* q, const Vector3d& n, const Vector3d& m, double* gradient) const {
+  const Matrix3d Ra = rotation(at_a, q), Rb = rotation(at_b, q);
+  const Vector3d n_world = Ra * n, m_world = Rb * m;
+  if (gradient) {
+    Eigen::Map<VectorXd> J(gradient, 3 * count());
+    J.setZero();
+    if (at_a.spin >= 0) J.segment<3>(3) = n.cross(Ra.transpose() * m_world);
+    if (at_b.spin >= 0) J.segment<3>(3 * at_a.count() + 3) = m.cross(Rb.transpose() * n_world);
+  }
+  return n_world.dot(m_world);
+}
+
+void AnchorPair::add_dot_curvature(const double* q, const Vector3d& n, const Vector3d& m, double weight,
+                                   Eigen::Ref<Eigen::MatrixXd> out) const {
+  const Matrix3d Ra = rotation(at_a, q), Rb = rotation(at_b, q);
+  const int i = 3, j = 3 * at_a.count() + 3;
+  if (at_a.spin >= 0) out.block<3, 3>(i, i) += weight * turned_twice(Ra, n, Rb * m);
+  if (at_b.spin >= 0) out.block<3, 3>(j, j) += weight * turned_twice(Rb, m, Ra * n);
+  if (at_a.spin < 0 || at_b.spin < 0) return;
+  const Matrix3d mixed = weight * skew(n).transpose() * Ra.transpose() * Rb * skew(m);
+  out.block<3, 3>(i, j) += mixed;
+  out.block<3, 3>(j, i) += mixed.transpose();
+}
+
 void PerpendicularRow::resolve(const std::vector<Body>& bodies) {
   AnchorPair::resolve(bodies);
-  principal_a = a.body < 0 ? direction_a : Vector3d(bodies[a.body].axes.transpose() * direction_a);
-  principal_b = b.body < 0 ? direction_b : Vector3d(bodies[b.body].axes.transpose() * direction_b);
+  principal_a = in_principal_axes(a, direction_a, bodies);
+  principal_b = in_principal_axes(b, direction_b, bodies);
 }
 
 void PerpendicularRow::check(const std::string& where) const {
@@ -138,26 +166,13 @@ void PerpendicularRow::check(const std::string& where) const {
 }
 
 bool PerpendicularRow::evaluate(const double* q, double* phi, double* jacobian) const {
-  const Matrix3d Ra = rotation(at_a, q), Rb = rotation(at_b, q);
-  const Vector3d n = Ra * principal_a, m = Rb * principal_b;
-  *phi = n.dot(m);
-  if (!jacobian) return true;
-  Eigen::Map<Eigen::RowVectorXd> J(jacobian, 3 * count());
-  J.setZero();
-  if (at_a.spin >= 0) J.segment<3>(3) = principal_a.cross(Ra.transpose() * m);
-  if (at_b.spin >= 0) J.segment<3>(3 * at_a.count() + 3) = principal_b.cross(Rb.transpose() * n);
+  *phi = dot(q, principal_a, principal_b, jacobian);
   return true;
 }
 
 void PerpendicularRow::hessian(const double* q, const double* lambda, Eigen::Ref<Eigen::MatrixXd> out) const {
   out.setZero();
-  const Matrix3d Ra = rotation(at_a, q), Rb = rotation(at_b, q);
-  const int i = 3, j = 3 * at_a.count() + 3;
-  if (at_a.spin >= 0) out.block<3, 3>(i, i) = *lambda * turned_twice(Ra, principal_a, Rb * principal_b);
-  if (at_b.spin >= 0) out.block<3, 3>(j, j) = *lambda * turned_twice(Rb, principal_b, Ra * principal_a);
-  if (at_a.spin < 0 || at_b.spin < 0) return;
-  out.block<3, 3>(i, j) = *lambda * skew(principal_a).transpose() * Ra.transpose() * Rb * skew(principal_b);
-  out.block<3, 3>(j, i) = out.block<3, 3>(i, j).transpose();
+  add_dot_curvature(q, principal_a, principal_b, *lambda, out);
 }
 
 }  // namespace feder

@@ -18,7 +18,7 @@ void append_slot(DistanceRows& out, const DistanceRow& row, int public_row) {
   out.rest.push_back(row.rest);
   out.stiffness.push_back(row.stiffness);
   out.spring.push_back(soft ? row.stiffness : 0.0);
-  out.damping.push_back(soft ? row.stiffness * row.damping_time : 0.0);
+  out.damping.push_back(soft ? row.stiffness * row.damping_time + row.damping : 0.0);
   out.damping_time.push_back(row.damping_time);
   out.public_row.push_back(public_row);
   out.has_damping = out.has_damping || out.damping.back() > 0.0;

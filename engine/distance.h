@@ -17,7 +17,7 @@ struct DistanceRows {
   std::vector<double> rest;          ///< rest length [m]
   std::vector<double> stiffness;     ///< d [N/m]; infinity is a rod
   std::vector<double> spring;        ///< d where finite, 0 for rods and inactive slots [N/m]
-  std::vector<double> damping;       ///< b = d tau where finite [kg/s]
+  std::vector<double> damping;       ///< b = d tau + own coefficient where d is finite [kg/s]
   std::vector<double> damping_time;  ///< tau [s]
   std::vector<int> public_row;       ///< row id given to the user, -1 for an inactive slot
   std::vector<int> run;              ///< per batch: first node of a run, -1 if it gathers
@@ -25,13 +25,13 @@ struct DistanceRows {
 
   int size() const { return static_cast<int>(a.size()); }
   int batches() const { return static_cast<int>(run.size()); }
-  bool active(int k) const { return public_row[k] >= 0 && stiffness[k] > 0.0; }
+  bool active(int k) const { return public_row[k] >= 0 && (stiffness[k] > 0.0 || damping[k] > 0.0); }
 };
 
 /// One distance row as the user states it.
 struct DistanceRow {
   int a = -1, b = -1;
-  double rest = 0.0, stiffness = 0.0, damping_time = 0.0;
+  double rest = 0.0, stiffness = 0.0, damping_time = 0.0, damping = 0.0;
 };
 
 /// Sorts rows into batches for a system of `nodes` nodes. Row i gets public_row i.

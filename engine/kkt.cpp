@@ -69,7 +69,8 @@ Status add_row_forces(const System& s, const State& state, VectorXd& f) {
   }
   Status status;
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
-    if (!status.ok() || row.stiffness == 0.0 || std::isinf(row.stiffness)) return;
+    const double b = s.damping[stencil.first_row];
+    if (!status.ok() || (row.stiffness == 0.0 && b == 0.0) || std::isinf(row.stiffness)) return;
     constexpr int kRows = std::decay_t<decltype(row)>::kRows;
     const int columns = 3 * row.count();
     double phi[kRows], jacobian[kRows * 3 * std::decay_t<decltype(row)>::kNodes];
@@ -80,7 +81,7 @@ Status add_row_forces(const System& s, const State& state, VectorXd& f) {
         double rate = 0.0;
         for (int c = 0; c < columns; ++c)
           rate += jacobian[columns * i + c] * state.v[3 * row.nodes[c / 3] + c % 3];
-        lambda -= row.stiffness * row.damping_time * rate;
+        lambda -= b * rate;
       }
       for (int c = 0; c < columns; ++c) f[3 * row.nodes[c / 3] + c % 3] += lambda * jacobian[columns * i + c];
     }
@@ -151,7 +152,7 @@ void Kkt::set_step(double sigma, double rho) {
   for (int k = 0; k < system->rows; ++k) {
     const double d = system->stiffness[k];
     const bool hard = std::isinf(d);
-    const double weight = hard ? d : d * (sigma + rho * system->damping_time[k]);
+    const double weight = hard ? d : sigma * d + rho * system->damping[k];
     const bool pushes = weight > 0.0;
     gamma[k] = pushes ? 1.0 / weight : 1.0;  // hard: 0
     inverse_gamma[k] = pushes && std::isfinite(weight) ? weight : 0.0;
@@ -179,7 +180,7 @@ Status Kkt::evaluate(const VectorXd& q, bool with_length) {
   Status status;
   for_each_stencil_row(s, [&](const auto& row, const Stencil& stencil) {
     if (!row.evaluate(q.data(), phi.data() + stencil.first_row, jacobian.data() + stencil.jacobian) &&
-        status.ok() && row.stiffness > 0.0)
+        status.ok() && s.active(stencil.first_row))
       status = degenerate(s, stencil, q);
   });
   for (int i : inert_stencil_) {
@@ -236,7 +237,7 @@ void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const S
     using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
     Eigen::Map<Square> out(geometric_stencil.data() + stencil.matrix, size, size);
     row.hessian(state.q.data(), lambda.data() + stencil.first_row, out);
-    out *= row.stiffness == 0.0 ? 0.0 : -sigma;
+    out *= s.active(stencil.first_row) ? -sigma : 0.0;
     if (clamp) clamp_negative_part<Square>(out, kept);
   });
 

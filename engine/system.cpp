@@ -14,9 +14,17 @@ DistanceView System::distance_view() const {
 }
 
 std::string System::row_name(int row) const {
-  auto named = [](const std::string& kind, int id, const int* ends, int count) {
-    std::string text = kind + " row " + std::to_string(id) + " (nodes ";
-    for (int i = 0; i < count; ++i) text += (i ? ", " : "") + std::to_string(ends[i]);
+  auto named = [&](const std::string& kind, int id, const int* ends, int count) {
+    const int centres = places() - static_cast<int>(bodies.size());
+    bool nodes_only = true;
+    for (int i = 0; i < count; ++i) nodes_only = nodes_only && ends[i] < centres;
+    std::string text = kind + " row " + std::to_string(id) + (nodes_only ? " (nodes " : " (");
+    for (int i = 0; i < count; ++i) {
+      if (ends[i] >= places()) continue;  // a spin: its centre was named
+      text += i ? ", " : "";
+      if (!nodes_only) text += ends[i] < centres ? "node " : "body ";
+      text += std::to_string(ends[i] < centres ? ends[i] : ends[i] - centres);
+    }
     return text + ")";
   };
   if (row < distance.size()) {
@@ -39,6 +47,12 @@ std::string System::row_name(int row) const {
     first = end;
   });
   return name;
+}
+
+double System::memory(int row, double dt) const {
+  const double d = stiffness[row];
+  if (std::isinf(d)) return damping_time[row] / (dt + damping_time[row]);
+  return damping[row] > 0.0 ? damping[row] / (dt * d + damping[row]) : 0.0;
 }
 
 std::string SystemBuilder::place(int node) const {
@@ -69,6 +83,36 @@ Anchor SystemBuilder::add_world_point(const Vector3d& position) {
   return {node};
 }
 
+Anchor SystemBuilder::add_moving_point(const Motion& motion) {
+  const int node = static_cast<int>(nodes_.size());
+  if (!motion.position || !motion.velocity || !motion.acceleration)
+    throw InputError(place(node) + ": motion, expected position, velocity and acceleration");
+  drives_.push_back({node, motion});
+  return add_world_point(motion.position(0.0));
+}
+
+Anchor SystemBuilder::add_dial(const Target& target) {
+  if (!target.value || !target.rate || !target.acceleration)
+    throw InputError(place(static_cast<int>(nodes_.size())) +
+                     ": target, expected value, rate and acceleration");
+  auto along_x = [](const std::function<double(double)>& f) {
+    return [f](double t) { return Vector3d(f(t), 0.0, 0.0); };
+  };
+  const Anchor dial =
+      add_moving_point({along_x(target.value), along_x(target.rate), along_x(target.acceleration)});
+  drives_.back().dial = true;
+  nodes_.back().dial = true;
+  return dial;
+}
+
+int SystemBuilder::require_dial(Anchor anchor, const std::string& where) {
+  const int node = require_node(anchor, where);
+  if (!nodes_[node].dial)
+    fail_input(where, "dial", node, "", "a dial of its own, made by add_dial and used by one row");
+  nodes_[node].dial = false;  // taken
+  return node;
+}
+
 Anchor SystemBuilder::add_body(const MassProperties& properties, const BodyStart& start) {
   const int id = static_cast<int>(bodies_.size());
   const std::string where = "body " + std::to_string(id);
@@ -88,6 +132,17 @@ Anchor SystemBuilder::add_body(const MassProperties& properties, const BodyStart
     fail_input(where, "orientation's distance from a rotation", defect, "", "a proper rotation");
   bodies_.push_back({properties, start});
   return {.body = id};
+}
+
+Anchor SystemBuilder::anchor_at(const Anchor& body, const Vector3d& place) {
+  if (body.body < 0) return body.node < 0 ? add_world_point(place) : Anchor{require_node(body, "anchor")};
+  const BodyStart& start = bodies_[require_anchor(body, "anchor")].start;
+  return {.body = body.body, .point = start.orientation.transpose() * (place - start.position)};
+}
+
+Vector3d SystemBuilder::direction_in(const Anchor& body, const Vector3d& direction) const {
+  if (body.body < 0) return direction;
+  return bodies_[require_anchor(body, "direction")].start.orientation.transpose() * direction;
 }
 
 int SystemBuilder::require_anchor(const Anchor& anchor, const std::string& where) const {
@@ -113,6 +168,9 @@ void SystemBuilder::check_material(const std::string& where, const Material& mat
     fail_input(where, "stiffness", d, unit, "a finite value: this row type has no rigid form");
   if (!rigid) require_non_negative(where, "stiffness", d, unit);
   require_non_negative(where, "damping time", material.damping_time, "s");
+  require_non_negative(where, "damping", material.damping, "kg/s or kg m^2/s");
+  if (rigid && material.damping > 0.0)
+    fail_input(where, "damping", material.damping, "kg/s or kg m^2/s", "0 where the stiffness is infinite");
 }
 
 int SystemBuilder::add_distance(Anchor a, Anchor b, const Material& material, double rest) {
@@ -127,7 +185,7 @@ int SystemBuilder::add_distance(Anchor a, Anchor b, const Material& material, do
   require_finite(where, "rest length", rest, "m");
   if (std::isinf(material.stiffness) && rest == 0.0)
     fail_input(where, "rest length", rest, "m", "a rod longer than 0: it needs a direction");
-  distance_.push_back({i, j, rest, material.stiffness, material.damping_time});
+  distance_.push_back({i, j, rest, material.stiffness, material.damping_time, material.damping});
   ids_.push_back({-1, static_cast<int>(distance_.size()) - 1});
   return id;
 }
@@ -168,10 +226,11 @@ void lay_out_stencils(System& s) {
 
 void collect_row_materials(System& s) {
   s.stiffness = VectorXd::Zero(s.rows);
-  s.damping_time = VectorXd::Zero(s.rows);
+  s.damping_time = s.damping = VectorXd::Zero(s.rows);
   for (int k = 0; k < s.distance.size(); ++k) {
     s.stiffness[k] = s.distance.stiffness[k];
     s.damping_time[k] = s.distance.damping_time[k];
+    s.damping[k] = s.distance.damping[k];
     if (!s.distance.active(k)) s.inactive_distance.push_back(k);
   }
   int row = s.distance.size();
@@ -180,11 +239,15 @@ void collect_row_materials(System& s) {
       for (int i = 0; i < element.kRows; ++i, ++row) {
         s.stiffness[row] = element.stiffness;
         s.damping_time[row] = element.damping_time;
+        if (std::isinf(element.stiffness)) continue;
+        s.damping[row] = element.stiffness * element.damping_time;
+        if constexpr (requires { element.damping; }) s.damping[row] += element.damping;
       }
   });
-  s.active_rows = static_cast<int>((s.stiffness.array() > 0.0).count());
+  for (int k = 0; k < s.rows; ++k) s.active_rows += s.active(k);
   s.has_hard_rows = s.stiffness.size() > 0 && std::isinf(s.stiffness.maxCoeff());
-  s.has_damping = (s.stiffness.array() > 0.0 && s.damping_time.array() > 0.0).any();
+  s.has_damping =
+      (s.damping.array() > 0.0).any() || (s.stiffness.array() > 0.0 && s.damping_time.array() > 0.0).any();
 }
 
 // Principal axes; those given where they are principal to rounding, so that masks mean what the user sees.
@@ -285,6 +348,13 @@ SystemBuilder::Built SystemBuilder::build() const {
   });
   lay_out_stencils(s);
   collect_row_materials(s);
+  s.drives = drives_;
+  if (s.driven()) {
+    place_driven_nodes(s, 0.0, out.state.q);
+    set_driven_velocities(s, 0.0, out.state.v);
+    if (!out.state.q.allFinite() || !out.state.v.allFinite())
+      throw InputError("system: a prescribed motion is not finite at t = 0");
+  }
 
   // public ids: distance rows moved by the batches, stencil rows in order
   std::vector<int> slot(distance_.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -7,10 +8,12 @@
 #include <vector>
 
 #include "engine/anchor_rows.h"
+#include "engine/axis_rows.h"
 #include "engine/bending.h"
 #include "engine/body.h"
 #include "engine/check.h"
 #include "engine/distance.h"
+#include "engine/drive.h"
 #include "engine/forces.h"
 #include "engine/mass_properties.h"
 #include "engine/state.h"
@@ -22,7 +25,8 @@ namespace feder {
 /// adding one is its file pair and its name here.
 template <class... Type>
 using RowLists = std::tuple<std::vector<Type>...>;
-using StencilRows = RowLists<CurvatureRow, AngleRow, BallRow, AnchorDistanceRow, PerpendicularRow>;
+using StencilRows =
+    RowLists<CurvatureRow, AngleRow, BallRow, AnchorDistanceRow, PerpendicularRow, AlongRow, TurnRow>;
 
 /// A dense block of the step matrix over a few nodes: the rows of one stencil row element, or (rows = 0) the
 /// stiffness of a user force.
@@ -50,7 +54,8 @@ struct System {
   VectorXd inverse_mass;  ///< 3 per node [1/kg], 0 where masked
   std::vector<Body> bodies;
   std::vector<FreeMask> free;
-  std::vector<int> masked;  ///< coordinates 3 node + axis that never move
+  std::vector<int> masked;    ///< coordinates 3 node + axis that are no unknowns
+  std::vector<Drive> drives;  ///< nodes that follow a prescribed motion
 
   DistanceRows distance;
   StencilRows stencil_rows;
@@ -62,6 +67,7 @@ struct System {
   int active_rows = 0;                 ///< rows that can push
   VectorXd stiffness;                  ///< d per row; 0 for inactive slots
   VectorXd damping_time;               ///< tau per row [s]
+  VectorXd damping;                    ///< b = d tau + own coefficient per row; 0 for hard rows
   std::vector<int> row_of_id;          ///< public row id -> first row
   bool has_hard_rows = false;          ///< some d = inf
   bool has_damping = false;            ///< some b > 0
@@ -69,17 +75,23 @@ struct System {
 
   Forces forces;
 
+  bool active(int row) const { return stiffness[row] > 0.0 || damping[row] > 0.0; }
+  bool driven() const { return !drives.empty() || !std::get<std::vector<TurnRow>>(stencil_rows).empty(); }
+  /// b / (dt d + b): how much of phi_n implicit Euler still feels; tau / (dt + tau) for hard rows.
+  double memory(int row, double dt) const;
   int places() const { return nodes - static_cast<int>(bodies.size()); }  ///< nodes that have a position
   Eigen::Index position_size() const { return 3 * nodes + static_cast<int>(bodies.size()); }  ///< of q
   DistanceView distance_view() const;
-  /// "distance row 12 (nodes 3, 7)": how messages name a row.
+  /// "distance row 12 (nodes 3, 7)", "ball row 4 (body 0, body 1)": how messages name a row.
   std::string row_name(int row) const;
 };
 
-/// Stiffness and damping of a row: d in [0, inf] (infinity: exactly rigid), damping time tau >= 0, b = d tau.
+inline constexpr double kRigid = std::numeric_limits<double>::infinity();
+/// Stiffness and damping of a row: d in [0, inf] (infinity: exactly rigid), damping time tau >= 0.
 struct Material {
   double stiffness = 0.0;     ///< [N/m], [N m] for bending
   double damping_time = 0.0;  ///< [s]
+  double damping = 0.0;       ///< own coefficient, b = d tau + damping; a damper alone has d = 0 [kg/s]
 };
 
 /// Collects nodes, rows and forces, checks every number (InputError names the place), and builds System and
@@ -91,6 +103,10 @@ class SystemBuilder {
                       FreeMask free = kFree);
   /// A fixed place of the world: no mass, no columns.
   Anchor add_world_point(const Vector3d& position);
+  /// A world point that follows a motion.
+  Anchor add_moving_point(const Motion& motion);
+  /// The target of one row (`dial` of AlongRow, TurnRow), [m] or [rad].
+  Anchor add_dial(const Target& target);
 
   /// Pose and velocity of a body: where the origin of the axes of its MassProperties lies and how they are
   /// turned; velocity of its centre of mass; angular velocity in world axes. A pinned body has all of `free`
@@ -106,12 +122,18 @@ class SystemBuilder {
   /// Returns the anchor at the origin of the body's axes; others: {.body = id, .point = ...}.
   Anchor add_body(const MassProperties& properties, const BodyStart& start);
 
+  /// The anchor of a body (any of its anchors given) that lies at a place of the world at the start;
+  /// Anchor{}, the world, gives a new world point there.
+  Anchor anchor_at(const Anchor& body, const Vector3d& place);
+  /// A direction of the world at the start, in the axes of the anchor's body; unchanged for the world.
+  Vector3d direction_in(const Anchor& body, const Vector3d& direction) const;
+
   /// phi = |x_b - x_a| - rest [m], between particles and world points. rest < 0 means: as placed. Returns the
   /// public row id.
   int add_distance(Anchor a, Anchor b, const Material& material, double rest = -1.0);
   /// A row of any type of the list StencilRows, for example CurvatureRow. Returns the public row id.
   template <class Row>
-  int add(const Row& row);
+  int add(const Row& given);
 
   void set_gravity(const Vector3d& g) { gravity_ = g; }
   /// Force -coefficient v on every particle [kg/s].
@@ -128,6 +150,7 @@ class SystemBuilder {
   std::string place(int node) const;
   int require_anchor(const Anchor& anchor, const std::string& where) const;
   int require_node(Anchor anchor, const std::string& where) const;
+  int require_dial(Anchor anchor, const std::string& where);
   void check_material(const std::string& where, const Material& material, const char* unit,
                       bool may_be_rigid) const;
 
@@ -135,6 +158,7 @@ class SystemBuilder {
     double mass;
     Vector3d position, velocity;
     FreeMask free;
+    bool dial = false;
   };
   struct BodyNode {
     MassProperties properties;
@@ -147,6 +171,7 @@ class SystemBuilder {
     int index;  ///< place in its list
   };
   std::vector<Node> nodes_;
+  std::vector<Drive> drives_;
   std::vector<BodyNode> bodies_;
   std::vector<DistanceRow> distance_;
   StencilRows stencil_rows_;
@@ -169,7 +194,8 @@ void for_each_stencil_row_type(Lists& lists, Visit&& visit) {
 }
 
 template <class Row>
-int SystemBuilder::add(const Row& row) {
+int SystemBuilder::add(const Row& given) {
+  Row row = given;
   const int id = static_cast<int>(ids_.size());
   const std::string where = "row " + std::to_string(id) + " (" + Row::kName + ")";
   if constexpr (requires { row.a; }) {
@@ -183,7 +209,13 @@ int SystemBuilder::add(const Row& row) {
         if (row.nodes[i] == row.nodes[j]) fail_input(where, "node", row.nodes[i], "", "different nodes");
     }
   }
-  check_material(where, {row.stiffness, row.damping_time}, Row::kUnit, Row::kMayBeRigid);
+  Material material{row.stiffness, row.damping_time};
+  if constexpr (requires { row.damping; }) material.damping = row.damping;
+  check_material(where, material, Row::kUnit, Row::kMayBeRigid);
+  if constexpr (requires { row.dial; }) {
+    if (row.dial.node < 0 && std::is_same_v<Row, TurnRow>) row.dial = add_dial(steady_target(row.rest, 0.0));
+    if (row.dial.node >= 0 || row.dial.body >= 0) row.dial.node = require_dial(row.dial, where);
+  }
   row.check(where);
   int type = 0, place = -1;
   for_each_stencil_row_type(stencil_rows_, [&](auto& list) {

@@ -27,7 +27,7 @@ IdaSystem::IdaSystem(const System& s, const State& state, IdaForm form)
   }
   multiplier_.assign(s.rows, -1);
   for (int k = 0; k < s.rows; ++k) {
-    if (!(s.stiffness[k] > 0.0)) continue;
+    if (!s.active(k)) continue;
     if (form == IdaForm::kCompliance) multiplier_[k] = 2 * coordinates() + static_cast<int>(rows_.size());
     rows_.push_back(k);
   }
@@ -43,6 +43,10 @@ void IdaSystem::read(double t, const double* y, State& state) const {
     state.q[coordinates_[i]] = y[i];
     state.v[coordinates_[i]] = y[coordinates() + i];
   }
+  if (system_.driven()) {
+    place_driven_nodes(system_, t, state.q);
+    set_driven_velocities(system_, t, state.v);
+  }
 }
 
 // q, v, phi, J, J v, lambda and the force at (t, y)
@@ -56,8 +60,8 @@ Status IdaSystem::evaluate(double t, const double* y) {
   if (Status status = kkt_.evaluate(state_.q); !status.ok()) return status;
   if (s.has_damping) kkt_.multiply_jacobian(state_.v, rate_);
   for (int k : rows_)
-    lambda_[k] = form_ == IdaForm::kOde ? -s.stiffness[k] * (kkt_.phi[k] + s.damping_time[k] * rate_[k])
-                                        : y[multiplier_[k]];
+    lambda_[k] =
+        form_ == IdaForm::kOde ? -s.stiffness[k] * kkt_.phi[k] - s.damping[k] * rate_[k] : y[multiplier_[k]];
 
   evaluate_external_forces(s, state_, force_);
   if (s.forces.has_drag) force_.array() -= s.forces.drag.array() * state_.v.array();
@@ -81,7 +85,7 @@ Status IdaSystem::initial(const State& state, double* y, double* y_prime) {
   if (form_ == IdaForm::kCompliance) {
     if (Status status = evaluate(state.t, y); !status.ok()) return status;
     for (int k : rows_)
-      y[multiplier_[k]] = -system_.stiffness[k] * (kkt_.phi[k] + system_.damping_time[k] * rate_[k]);
+      y[multiplier_[k]] = -system_.stiffness[k] * kkt_.phi[k] - system_.damping[k] * rate_[k];
   }
   if (Status status = evaluate(state.t, y); !status.ok()) return status;
   for (int i = 0; i < n; ++i) {
@@ -99,8 +103,10 @@ Status IdaSystem::residual(double t, const double* y, const double* y_prime, dou
     r[n + i] = system_.inertia[coordinates_[i]] * y_prime[n + i] - force_[coordinates_[i]];
   }
   if (form_ == IdaForm::kOde) return {};
-  for (int k : rows_)
-    r[multiplier_[k]] = kkt_.phi[k] + system_.damping_time[k] * rate_[k] + lambda_[k] / system_.stiffness[k];
+  for (int k : rows_) {  // (d phi + b rate + lambda) / d, / b where d = 0
+    const double d = system_.stiffness[k], b = system_.damping[k];
+    r[multiplier_[k]] = d > 0.0 ? kkt_.phi[k] + b / d * rate_[k] + lambda_[k] / d : rate_[k] + lambda_[k] / b;
+  }
   return {};
 }
 
@@ -166,7 +172,7 @@ void IdaSystem::for_each_element(Visit&& visit) const {
     visit(std::as_const(e));
   }
   for (const Stencil& stencil : s.stencils) {
-    if (stencil.rows > 0 && s.stiffness[stencil.first_row] == 0.0) continue;
+    if (stencil.rows > 0 && !s.active(stencil.first_row)) continue;
     set_nodes(s.stencil_nodes.data() + stencil.first_node, stencil.nodes);
     e.rows = stencil.rows, e.first_row = stencil.first_row;
     e.J = kkt_.jacobian.data() + stencil.jacobian;
@@ -197,23 +203,25 @@ void IdaSystem::assemble_element(const Element& e, Sink&& add) const {
   for (int k = 0; k < e.rows; ++k) {
     const double* J = e.J + k * e.columns;
     const double* rate_by_q = e.rate_by_q + k * e.columns;
-    const double d = system_.stiffness[e.first_row + k], tau = system_.damping_time[e.first_row + k];
+    const double d = system_.stiffness[e.first_row + k], b = system_.damping[e.first_row + k];
+    const double scale = multiplier_[e.first_row + k] < 0 ? 1.0 : 1.0 / (d > 0.0 ? d : b);
     const int multiplier = multiplier_[e.first_row + k];
-    if (multiplier >= 0) add(multiplier, multiplier, 1.0 / d);
+    if (multiplier >= 0) add(multiplier, multiplier, scale);
     for (int j = 0; j < e.columns; ++j) {
       const int by_q = e.unknown[j], by_v = n + by_q;
       if (by_q < 0) continue;
-      const double row_by_q = J[j] + tau * rate_by_q[j], row_by_v = tau * J[j];  // of phi + tau J v
+      // of d phi + b J v, scaled
+      const double row_by_q = scale * (d * J[j] + b * rate_by_q[j]), row_by_v = scale * b * J[j];
       if (multiplier >= 0) {
         add(by_v, multiplier, -J[j]);
         add(multiplier, by_q, row_by_q);
-        if (tau > 0.0) add(multiplier, by_v, row_by_v);
+        if (b > 0.0) add(multiplier, by_v, row_by_v);
         continue;
       }
       for (int i = 0; i < e.columns; ++i) {
         if (e.unknown[i] < 0) continue;
-        add(n + e.unknown[i], by_q, J[i] * d * row_by_q);
-        if (tau > 0.0) add(n + e.unknown[i], by_v, J[i] * d * row_by_v);
+        add(n + e.unknown[i], by_q, J[i] * row_by_q);
+        if (b > 0.0) add(n + e.unknown[i], by_v, J[i] * row_by_v);
       }
     }
   }

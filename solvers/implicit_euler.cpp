@@ -40,10 +40,22 @@ Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, cons
     for (int i : s.masked) kkt_.p[i] = 0.0;
   }
   kkt_.set_step(dt * dt, dt);
-  if (dt != dt_) rate_ = (dt + s.damping_time.array()).inverse();
+  if (dt != dt_) {
+    memory_.resize(s.rows);
+    for (int k = 0; k < s.rows; ++k) memory_[k] = s.memory(k, dt);
+    rate_ = (1.0 - memory_.array()) / dt;
+  }
   dt_ = dt;
-  if (Status status = kkt_.evaluate(state.q, kGeometric); !status.ok()) return status;
-  kernels().product(kkt_.r.size(), kkt_.phi.data(), rate_.data(), kkt_.r.data());
+  if (s.driven()) {  // driven nodes are where they will be: r = (phi - memory phi_n) / dt
+    evaluate_phi(s, state.q, kkt_.r);
+    at_.q = state.q;
+    place_driven_nodes(s, state.t + dt, at_.q);
+    if (Status status = kkt_.evaluate(at_.q, kGeometric); !status.ok()) return status;
+    kkt_.r = (kkt_.phi - memory_.cwiseProduct(kkt_.r)) / dt;
+  } else {
+    if (Status status = kkt_.evaluate(state.q, kGeometric); !status.ok()) return status;
+    kernels().product(kkt_.r.size(), kkt_.phi.data(), rate_.data(), kkt_.r.data());
+  }
   if constexpr (kGeometric) {
     // lambda at q_n: springs from phi, hard rows from the last step
     lambda_.resize(s.rows);
@@ -53,6 +65,7 @@ Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, cons
                                                              : 0.0;
     at_ = state;
     at_.t += dt;
+    if (s.driven()) place_driven_nodes(s, at_.t, at_.q);
     kkt_.set_geometric_stiffness(kKind, dt * dt, at_, lambda_);
   }
   return {};
@@ -91,6 +104,10 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
     advance(s, dt, v_, state.q, state.q, rotation_update_);
     std::swap(state.v, v_);
     state.t += dt;
+    if (s.driven()) {
+      place_driven_nodes(s, state.t, state.q);
+      set_driven_velocities(s, state.t, state.v);
+    }
     if (s.has_hard_rows) history.lambda = y_ / dt;
     history.force.resize(0);
   }

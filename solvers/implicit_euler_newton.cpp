@@ -1,6 +1,6 @@
 // Unknowns v' and y = dt lambda. With q' = q_n + dt v':
 //   G = M (v' - v_n) + dt B v' - dt f_ext - J(q')^T y = 0
-//   g = gamma y + phi(q')/dt - tau phi(q_n) / (dt (dt + tau)) = 0
+//   g = gamma y + (phi(q') - memory phi(q_n)) / dt = 0,  memory = b/(dt d + b), tau/(dt + tau) for hard rows
 //   Newton: [Mt, -J^T; -J, -gamma] (dv, dy) = (-G, g),  Mt = M + dt B + dt^2 Kg(y/dt).  Phi's gradient is G.
 // Far away soft rows take y from g = 0. Near the solution y is an unknown like v: taken from phi it would
 // carry the rounding of q times the stiffness into the balance. Bodies: v_n is taken after the implicit
@@ -46,15 +46,15 @@ Status ImplicitEulerNewton::evaluate(double dt, const State& start, Multipliers 
   const System& s = *system_;
   at.multipliers = multipliers;
   at.state.t = start.t + dt;
-  advance(*system_, dt, at.state.v, start.q, at.state.q);
+  advance(s, dt, at.state.v, start.q, at.state.q);
+  if (s.driven()) place_driven_nodes(s, at.state.t, at.state.q);
   ++counts_.force_evaluations;
   if (Status status = kkt_.evaluate(at.state.q); !status.ok()) return status;
   kkt_.take_spins_over_a_step(dt, at.state.v);
   at.phi = kkt_.phi;
 
   // rows
-  const auto tau = s.damping_time.array();
-  at.g = at.phi.array() / dt - tau * phi_start_.array() / (dt * (dt + tau));
+  at.g = (at.phi - remembered_) / dt;
   if (multipliers == Multipliers::kOwn) at.g += kkt_.gamma.cwiseProduct(at.y);
   for (int k = 0; multipliers == Multipliers::kOfPhi && k < s.rows; ++k)
     if (kkt_.gamma[k] > 0.0) {
@@ -101,11 +101,11 @@ double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitud
   const double drag = 0.5 * dt * (s.forces.drag.array() * v.square()).sum();
   double rows = 0.0, penalty = 0.0;
   for (int k = 0; k < s.rows; ++k) {
-    const double phi = at.phi[k], tau = s.damping_time[k];
+    const double phi = at.phi[k];
     if (kkt_.gamma[k] == 0.0)
-      penalty += penalty_ * std::abs(phi - tau / (dt + tau) * phi_start_[k]);
-    else
-      rows += s.stiffness[k] / dt * ((dt + tau) * 0.5 * phi * phi - tau * phi_start_[k] * phi);
+      penalty += penalty_ * std::abs(phi - remembered_[k]);
+    else if (kkt_.inverse_gamma[k] > 0.0)
+      rows += kkt_.inverse_gamma[k] / (dt * dt) * (0.5 * phi * phi - remembered_[k] * phi);
   }
   // a user force without a potential is frozen at the current iterate: the slope there is still right
   const double external =
@@ -193,7 +193,8 @@ Status ImplicitEulerNewton::lengthen(double dt, const State& start, double befor
 Status ImplicitEulerNewton::step(double dt, State& state, History& history, EnergyLedger* ledger) {
   const System& s = *system_;
   kkt_.set_step(dt * dt, dt);
-  evaluate_phi(s, state.q, phi_start_);
+  evaluate_phi(s, state.q, remembered_);
+  for (int k = 0; k < s.rows; ++k) remembered_[k] *= s.memory(k, dt);
   penalty_ = 0.0;
   kept_ = 1.0;
   v_start_ = state.v;
@@ -201,7 +202,7 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
     return Status::failure(StatusCode::kNotConverged, "the implicit gyroscopic step does not converge");
 
   // start from rest at q_n: the first iterate is the linearised step
-  at_.state.v = VectorXd::Zero(state.v.size());
+  at_.state.v.setZero(state.v.size());
   at_.y = VectorXd::Zero(s.rows);
   if (s.has_hard_rows && history.lambda.size() == s.rows) at_.y = dt * history.lambda;
   if (Status status = evaluate(dt, state, Multipliers::kOfPhi, at_); !status.ok()) return status;
@@ -221,6 +222,7 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   ++counts_.steps;
   if (ledger) keep_books(dt, state, at_, *ledger);
   std::swap(state, at_.state);
+  if (s.driven()) set_driven_velocities(s, state.t, state.v);
   history.lambda = at_.y / dt;
   history.force.resize(0);
   return {};

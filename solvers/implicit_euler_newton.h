@@ -6,7 +6,7 @@ namespace feder {
 
 /// Implicit Euler solved to convergence: full Newton with line search on the incremental potential
 ///   Phi(v) = 1/2 |v - v_n|_M^2 + dt/2 v.B v + sum_k W_k(phi_k(q')) + P(q'),   q' = q_n + dt v,
-///   W = 1/dt (d (dt + tau) phi'^2 / 2 - d tau phi_n phi'),   P = potential of the external forces,
+///   W = 1/dt ((dt d + b) phi'^2 / 2 - b phi_n phi'),   P = potential of the external forces,
 /// plus mu |phi| on hard rows (exact penalty). Kg is full; where that matrix is not positive definite, only
 /// part of its negative part is kept (counted).
 class ImplicitEulerNewton {
@@ -45,7 +45,7 @@ class ImplicitEulerNewton {
   Kkt kkt_;
   Iterate at_, trial_;
   VectorXd v_start_;  // v_n after the implicit gyroscopic step of the bodies
-  VectorXd external_, phi_start_, dv_, dy_, lambda_, frozen_force_;
+  VectorXd external_, remembered_, dv_, dy_, lambda_, frozen_force_;
   double penalty_ = 0.0, kept_ = 1.0;  // kept_: fraction of the negative part of Kg
   StepCounts counts_;
 };

@@ -28,8 +28,15 @@ Status Leapfrog::solve_kick(double dt, const State& half, VectorXd& v_next) {
   kkt.p.array() = system_->inertia.array() * half.v.array() + 0.5 * dt * force_.array();
   for (int i : system_->masked) kkt.p[i] = 0.0;
   kkt.r.setZero();
+  if (system_->driven()) {  // phi_t
+    v_next.setZero(half.v.size());
+    set_driven_velocities(*system_, half.t, v_next);
+    kkt.multiply_jacobian(v_next, kkt.r);
+  }
   if (Status status = matrix_->solver.factor(kkt); !status.ok()) return status;
-  return matrix_->solver.solve(kkt, v_next, matrix_->y).status;
+  const Status status = matrix_->solver.solve(kkt, v_next, matrix_->y).status;
+  if (system_->driven()) set_driven_velocities(*system_, half.t, v_next);
+  return status;
 }
 
 // Drift that ends on the hard rows: w += W J(q)^T y until phi(q') = 0, by corrections of J(q) dv =
@@ -48,6 +55,7 @@ Status Leapfrog::drift_on_rows(double dt, const VectorXd& q, VectorXd& w, State&
   for (int i = 0; i < kMostCorrections; ++i) {
     next.v = w;
     drift(dt, q, next);
+    if (s.driven()) place_driven_nodes(s, next.t, next.q);
     evaluate_phi(s, next.q, matrix_->phi);
     double open = 0.0;
     for (int k = 0; k < s.rows; ++k) {
@@ -96,6 +104,7 @@ Status Leapfrog::step(double dt, State& state, History& history, EnergyLedger* l
   }
 
   // first kick and drift
+  next_.t = state.t + dt;
   kernel.kick(n, half, s.inverse_mass.data(), history.force.data(), state.v.data(), next_.v.data());
   VectorXd kicked = ledger ? next_.v : VectorXd();
   if (s.has_hard_rows) {
@@ -105,7 +114,10 @@ Status Leapfrog::step(double dt, State& state, History& history, EnergyLedger* l
   } else {
     drift(dt, state.q, next_);
   }
-  next_.t = state.t + dt;
+  if (s.driven()) {
+    place_driven_nodes(s, next_.t, next_.q);
+    set_driven_velocities(s, next_.t, next_.v);
+  }
 
   // second kick
   const bool damped = s.has_damping || s.forces.has_drag;

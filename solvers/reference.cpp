@@ -253,7 +253,7 @@ std::optional<fs::path> reference_cache_file(const System& s, const State& initi
   FEDER_CHECK(initial.q.size() == s.position_size() && initial.v.size() == 3 * s.nodes,
               "the state does not fit the system");
   const fs::path folder = o.cache_folder.empty() ? default_cache_folder() : o.cache_folder;
-  if (!o.use_cache || s.forces.user || !s.bodies.empty() || folder.empty()) return std::nullopt;
+  if (!o.use_cache || s.forces.user || s.driven() || !s.bodies.empty() || folder.empty()) return std::nullopt;
   char name[32];
   (void)std::snprintf(name, sizeof name, "%016llx.reference",
                       static_cast<unsigned long long>(reference_hash(s, initial, end_time, o)));

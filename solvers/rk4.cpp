@@ -12,6 +12,12 @@ constexpr double kNode[4] = {0.0, 0.5, 0.5, 1.0};
 constexpr double kWeight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
 }  // namespace
 
+void Rk4::drive(State& at) const {
+  if (!system_->driven()) return;
+  place_driven_nodes(*system_, at.t, at.q);
+  set_driven_velocities(*system_, at.t, at.v);
+}
+
 Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger) {
   const System& s = *system_;
   const auto W = s.inverse_mass.array();
@@ -24,6 +30,7 @@ Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger
       stage_.q += kNode[i] * dt * rate_[i - 1];
       stage_.v.array() += kNode[i] * dt * W * force_[i - 1].array();
       stage_.t += kNode[i] * dt;
+      drive(stage_);
     }
     if (Status status = evaluate_forces(s, stage_, force_[i]); !status.ok()) return status;
     add_gyroscopic_torques(s, stage_.v, force_[i]);
@@ -39,6 +46,7 @@ Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger
   }
   normalise_quaternions(s, stage_.q);
   stage_.t += dt;
+  drive(stage_);
   if (ledger)
     for (int i = 0; i < 4; ++i) record.kick(kWeight[i] * dt, stages[i], force_[i], state.v, stage_.v);
   std::swap(state, stage_);

@@ -19,6 +19,8 @@ class Rk4 {
   const StepCounts& counts() const { return counts_; }
 
  private:
+  void drive(State& at) const;
+
   const System* system_;
   State stage_;
   std::array<VectorXd, 4> force_, rate_;  // of v and of q

@@ -40,9 +40,9 @@ class Fnv1a {
   std::uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
-/// Masses, masks, rows, materials, forces and the state. A user force has no number to hash: such scenes must
-/// not be cached. Stencil rows of any type are hashed by nodes, material and their phi at the state and at
-/// two displaced ones.
+/// Masses, masks, rows, materials, forces and the state. A user force or a prescribed motion has no number to
+/// hash: such scenes must not be cached. Stencil rows of any type are hashed by nodes, material and their phi
+/// at the state and at two displaced ones.
 inline void hash_scene(Fnv1a& hash, const System& s, const State& state) {
   hash.add(s.nodes);
   hash.add(static_cast<std::uint64_t>(s.bodies.size()));
@@ -54,6 +54,7 @@ inline void hash_scene(Fnv1a& hash, const System& s, const State& state) {
   hash.add(rows.rest);
   hash.add(s.stiffness);
   hash.add(s.damping_time);
+  hash.add(s.damping);
   for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
     hash.add(std::string_view(std::decay_t<decltype(list)>::value_type::kName));
     hash.add(static_cast<std::uint64_t>(list.size()));

@@ -65,8 +65,11 @@ Linearization::Linearization(const System& s, const State& state) : system_(s) {
   for (int k = 0; k < s.rows && status_.ok(); ++k)
     if (std::isinf(s.stiffness[k]))
       status_ = Status::failure(StatusCode::kRefused, s.row_name(k) + " is hard: its frequency is infinite");
-  if (!s.bodies.empty())
-    status_ = Status::failure(StatusCode::kRefused, "predicted limits are for particles: body 0 turns");
+  for (std::size_t i = 0; i < s.bodies.size() && status_.ok(); ++i)
+    if (!state.v.segment<3>(3 * s.bodies[i].spin).isZero(0.0) || !s.bodies[i].torque.isZero(0.0))
+      status_ = Status::failure(
+          StatusCode::kRefused,
+          "predicted limits are for bodies at rest without torque: body " + std::to_string(i));
   if (!status_.ok()) return;
   kkt_.prepare(s);
   if (status_ = kkt_.evaluate(state.q); !status_.ok()) return;
@@ -79,7 +82,7 @@ Linearization::Linearization(const System& s, const State& state) : system_(s) {
   stressed_ = static_cast<bool>(s.forces.user.stiffness);
   for (int k = 0; k < s.rows; ++k) {
     const double length = k < s.distance.size() ? kkt_.length[k] : 1.0;
-    if (s.stiffness[k] > 0.0 && std::abs(kkt_.phi[k]) > 1e-13 * length) stressed_ = true;
+    if (s.active(k) && std::abs(kkt_.phi[k]) > 1e-13 * length) stressed_ = true;
   }
 }
 
@@ -96,7 +99,8 @@ std::optional<std::pair<double, double>> Linearization::modal_damping() const {
     for (int k = 0; k < s.rows; ++k)
       if (s.stiffness[k] > 0.0) tau = s.damping_time[k];
     for (int k = 0; k < s.rows; ++k)
-      if (s.stiffness[k] > 0.0 && s.damping_time[k] != tau) return std::nullopt;
+      if (s.active(k) && (s.damping_time[k] != tau || s.damping[k] != tau * s.stiffness[k]))
+        return std::nullopt;
   }
   return std::pair{alpha, tau};
 }
@@ -105,9 +109,9 @@ VectorXd Linearization::apply(const Weights& w, const VectorXd& x) const {
   const System& s = system_;
   VectorXd full = VectorXd::Zero(3 * s.nodes), out = VectorXd::Zero(3 * s.nodes), y;
   for (int i = 0; i < size(); ++i) full[coordinates_[i]] = scale_[i] * x[i];
-  // J^T D (material + damping tau) J
+  // J^T (material D + damping b) J
   kkt_.multiply_jacobian(full, y);
-  y.array() *= s.stiffness.array() * (w.material + w.damping * s.damping_time.array());
+  y.array() *= w.material * s.stiffness.array() + w.damping * s.damping.array();
   kkt_.add_jacobian_transpose(y, out);
   if (w.geometric != 0.0) kkt_.add_geometric(w.geometric * full, out);
   if (w.damping != 0.0) out.array() += w.damping * s.forces.drag.array() * full.array();

@@ -19,7 +19,7 @@ Status DenseReference::analyze(const System& s, bool) {
   for (int i = 0; i < 3 * s.nodes; ++i)
     if (s.free[i / 3] >> i % 3 & 1) coordinate_.push_back(i);
   for (int k = 0; k < s.rows; ++k)
-    if (s.stiffness[k] > 0.0) row_.push_back(k);
+    if (s.active(k)) row_.push_back(k);
   const Eigen::Index size = static_cast<Eigen::Index>(coordinate_.size() + row_.size());
   matrix_ = Eigen::MatrixXd::Zero(size, size);
   return {};

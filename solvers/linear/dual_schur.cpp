@@ -16,7 +16,7 @@ Status DualSchur::analyze(const System& s, bool) {
   // vertices are active rows, edges the pairs that meet at a node
   std::vector<int> vertex(s.rows, -1), active;
   for (int k = 0; k < s.rows; ++k)
-    if (s.stiffness[k] > 0.0) {
+    if (s.active(k)) {
       vertex[k] = static_cast<int>(active.size());
       active.push_back(k);
     }

@@ -23,7 +23,7 @@ void KktLdlt::number(std::vector<int>& unknown, std::vector<int>& row_unknown) {
   }
   std::vector<std::vector<int>> before(nodes.size() + 1), after(nodes.size() + 1);
   for (int k = 0; k < s.rows; ++k) {
-    if (!(s.stiffness[k] > 0.0)) continue;
+    if (!s.active(k)) continue;
     const bool hard = std::isinf(s.stiffness[k]);
     if (last[k] < 0)  // between world points: decoupled
       before[nodes.size()].push_back(k);

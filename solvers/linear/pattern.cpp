@@ -61,7 +61,7 @@ std::vector<Incidence> incidences(const System& s) {
     for (int i = 0; i < stencil.rows; ++i)
       for (int j = 0; j < stencil.nodes; ++j) {
         const int node = s.stencil_nodes[stencil.first_node + j], row = stencil.first_row + i;
-        if (s.free[node] && s.stiffness[row] > 0.0)
+        if (s.free[node] && s.active(row))
           out.push_back({row, node, stencil.jacobian + 3 * (i * stencil.nodes + j), false, 1.0});
       }
   return out;

@@ -50,6 +50,11 @@ SystemBuilder::Built joined(std::uint64_t seed, double damping_time = 0.0) {
   const Vector3d n = random.vector().normalized(), m = random.vector().normalized();
   builder.add(PerpendicularRow{{at(one), at(two), 10.0, damping_time}, n, m});
   builder.add(PerpendicularRow{{wall, at(two), 10.0, damping_time}, n, m});
+  builder.add(AlongRow{{{at(one), at(two), 10.0, damping_time}, 0.1}, n});
+  builder.add(AlongRow{{{wall, at(two), 10.0, damping_time}, 0.1}, n});
+  builder.add(AlongRow{{{at(one), particle, 10.0, damping_time}, 0.1}, m});
+  builder.add(TurnRow{{{at(one), at(two), 10.0, damping_time}, 0.3}, n, n.unitOrthogonal(), m});
+  builder.add(TurnRow{{{wall, at(two), 10.0, damping_time}, -0.3}, m, m.unitOrthogonal(), n});
   builder.set_gravity({0.0, -9.81, 0.0});
   return builder.build();
 }

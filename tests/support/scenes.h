@@ -10,8 +10,6 @@
 
 namespace feder {
 
-inline constexpr double kRigid = std::numeric_limits<double>::infinity();
-
 /// Potential c/4 r^4 between two nodes: a user force whose stiffness changes with the state.
 inline UserForce quartic_bond(int i, int j, double c) {
   auto between = [i, j](const VectorXd& q) { return Vector3d(q.segment<3>(3 * i) - q.segment<3>(3 * j)); };
