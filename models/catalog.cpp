@@ -13,6 +13,8 @@
 #include "models/oscillator.h"
 #include "models/parameters.h"
 #include "models/pendulum.h"
+#include "models/plate_bridge.h"
+#include "models/plate_net.h"
 #include "models/rigid_chain.h"
 #include "models/spring_pendulum.h"
 #include "models/taut_string.h"
@@ -22,9 +24,10 @@ namespace feder {
 // THE LIST.
 const std::vector<ModelInfo>& catalog() {
   static const std::vector<ModelInfo> list = {
-      oscillator_model(), damped_oscillator_model(), pendulum_model(),       spring_pendulum_model(),
-      chain_model(),      hanging_chain_model(),     taut_string_model(),    bending_rod_model(),
-      cloth_model(),      lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
+      oscillator_model(),   damped_oscillator_model(), pendulum_model(),       spring_pendulum_model(),
+      chain_model(),        hanging_chain_model(),     taut_string_model(),    bending_rod_model(),
+      cloth_model(),        lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
+      plate_bridge_model(), plate_net_model(),
   };
   return list;
 }
@@ -43,12 +46,21 @@ std::string trimmed(const std::string& text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
+// What stands between the commas; at least one word, which may be empty.
+std::vector<std::string> words(const std::string& text) {
+  std::vector<std::string> list;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    list.push_back(trimmed(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return list;
+}
+
 // "key=value,key=value"; every key once.
 Settings parse_settings(const std::string& place, const std::string& text) {
   Settings settings;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
+  for (const std::string& part : words(text)) {
     const std::size_t equals = part.find('=');
     if (equals == std::string::npos)
       throw InputError(place + ": setting " + quoted(part) + ", expected key=value");
@@ -57,9 +69,19 @@ Settings parse_settings(const std::string& place, const std::string& text) {
       if (earlier.key == setting.key)
         throw InputError(place + ": parameter " + quoted(setting.key) + " given twice, expected once");
     settings.push_back(setting);
-    begin = end + 1;
   }
   return settings;
+}
+
+std::string written(const Preset& preset) {
+  return preset.name + "(" + preset.arguments + ")";
+}
+
+[[noreturn]] void fail_sizes(const std::string& head, const Preset& preset) {
+  std::string example = preset.name + "(";
+  for (std::size_t i = 0; i < words(preset.arguments).size(); ++i) example += "10,";
+  example.back() = ')';
+  throw InputError("preset " + quoted(head) + ": expected " + written(preset) + ", for example " + example);
 }
 
 [[noreturn]] void fail_unknown_model(const std::string& head, const std::string& name) {
@@ -68,7 +90,7 @@ Settings parse_settings(const std::string& place, const std::string& text) {
     models.push_back(info.name);
     all.push_back(info.name);
     for (const Preset& preset : info.presets) {
-      presets.push_back(preset.name + "(" + preset.argument + ")");
+      presets.push_back(written(preset));
       all.push_back(preset.name);
     }
   }
@@ -76,7 +98,7 @@ Settings parse_settings(const std::string& place, const std::string& text) {
                    "'? Models: " + join(models) + "; presets: " + join(presets));
 }
 
-// The part before the colon: a model, or a preset with its size in brackets.
+// The part before the colon: a model, or a preset with its sizes in brackets.
 Request find_model(const std::string& head) {
   const std::size_t bracket = head.find('(');
   const std::string name = trimmed(head.substr(0, bracket));
@@ -84,12 +106,12 @@ Request find_model(const std::string& head) {
     if (bracket == std::string::npos && info.name == name) return {&info, {}};
     for (const Preset& preset : info.presets) {
       if (preset.name != name) continue;
-      if (bracket == std::string::npos || head.back() != ')')
-        throw InputError("preset " + quoted(head) + ": expected " + name + "(" + preset.argument +
-                         "), for example " + name + "(10)");
+      if (bracket == std::string::npos || head.back() != ')') fail_sizes(head, preset);
+      const std::vector<std::string> names = words(preset.arguments),
+                                     sizes = words(head.substr(bracket + 1, head.size() - bracket - 2));
+      if (sizes.size() != names.size()) fail_sizes(head, preset);
       Request request{&info, preset.fixed};
-      request.settings.push_back(
-          {preset.argument, trimmed(head.substr(bracket + 1, head.size() - bracket - 2))});
+      for (std::size_t i = 0; i < names.size(); ++i) request.settings.push_back({names[i], sizes[i]});
       return request;
     }
   }

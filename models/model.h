@@ -43,9 +43,10 @@ struct Parameter {
   std::string name, default_value, unit, what, expectation;
 };
 
-/// A named scene "S1(N)": N goes to the parameter `argument`, `fixed` are further settings.
+/// A named scene "S1(N)" or "S3b(N,M)": the sizes go to the parameters `arguments`, "n" or "nx,ny"; `fixed`
+/// are further settings.
 struct Preset {
-  std::string name, argument;
+  std::string name, arguments;
   Settings fixed;
   std::string what;
 };

@@ -28,14 +28,19 @@ std::optional<Number> read_whole(std::string_view text) {
   return value;
 }
 
+// Separators inside brackets do not count: "chain,S3b(30,10)" is two words.
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
-  for (std::size_t begin = 0;;) {
-    const std::size_t end = text.find(separator, begin);
-    parts.push_back(text.substr(begin, end - begin));
-    if (end == std::string_view::npos) return parts;
-    begin = end + 1;
+  std::size_t begin = 0;
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    depth += (text[i] == '(') - (text[i] == ')');
+    if (text[i] != separator || depth > 0) continue;
+    parts.push_back(text.substr(begin, i - begin));
+    begin = i + 1;
   }
+  parts.push_back(text.substr(begin));
+  return parts;
 }
 
 /// lo:hi:count with both ends exact and a constant ratio between neighbours.

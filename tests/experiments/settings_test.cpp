@@ -36,6 +36,12 @@ TEST(Settings, TakesTheValuesOfThePreset) {
   EXPECT_EQ(full.texts("integrators"), (std::vector<std::string>{"bdf2", "rk4"}));
 }
 
+TEST(Settings, KeepsTheSizesOfAPresetTogether) {
+  EXPECT_EQ(parse_texts("test", "S1(3),S3b(30,10),chain"),
+            (std::vector<std::string>{"S1(3)", "S3b(30,10)", "chain"}));
+  EXPECT_THROW((void)parse_texts("test", "S3b(30,10),"), InputError);
+}
+
 TEST(Settings, LetsTheLastChangeWin) {
   const Settings settings(declared(), "quick", {"end_time=2", "end_time=-3e-1"});
   EXPECT_EQ(settings.number("end_time"), -0.3);

@@ -85,6 +85,12 @@ TEST(Spec, PresetsTakeFurtherSettings) {
   EXPECT_DOUBLE_EQ(model.system.stiffness.maxCoeff(), 1e4);
 }
 
+TEST(Spec, PresetsTakeAsManySizesAsTheyName) {
+  const Model model = make_model("S3b( 6 , 2):gravity=0"), same = make_model("plate_bridge:nx=6,ny=2");
+  EXPECT_TRUE(model.state.q == same.state.q);
+  EXPECT_EQ(model.system.forces.gravity, Vector3d(0.0, 0.0, 0.0));
+}
+
 TEST(Spec, DampingIsOfferedOnEveryModelOfStabilityStudies) {
   for (const char* name : {"chain", "taut_string", "hanging_chain", "cloth", "lattice", "bending_rod"}) {
     const Model model = make_model(std::string(name) + ":damping_time=1e-4,drag=1e-3");
