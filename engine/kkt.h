@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "engine/status.h"
@@ -58,6 +59,15 @@ struct Kkt {
   /// J of the spins by their velocity over a step instead of by their pose: columns times J_r(dt w), dt w the
   /// angle turned since the step began. Call after evaluate; nothing to do without bodies.
   void take_spins_over_a_step(double dt, const VectorXd& v);
+  /// Takes hard rows that depend on others out of the matrix (J = 0, phi = 0, gamma = 1), now and in every
+  /// later evaluate; those dropped before and not now come back.
+  void drop_rows(const std::vector<int>& rows);
+  const std::vector<int>& dropped() const { return dropped_; }
+  double dropped_gap() const;  ///< largest |phi| of the dropped rows
+  double kept_gap() const;     ///< of the other hard rows
+  /// Largest |phi + J w| of a dropped row, and which.
+  std::pair<int, double> dropped_gap_after(const VectorXd& w) const;
+  double scale() const { return scale_; }  ///< largest coordinate at the last evaluate, with hard rows [m]
   /// Fills sigma Kg at q for multipliers lambda (per row; the user force adds its stiffness). Call after
   /// evaluate. `kept`: fraction of the negative part of each row's block that stays in kClamped, 0 to 1; 1 is
   /// kFull.
@@ -79,11 +89,16 @@ struct Kkt {
   ResidualSize residual_size(const VectorXd& v, const VectorXd& y) const;
 
  private:
+  double* jacobian_of(int row, int& stride);
+  void swap_dropped();
   template <class Velocity>
   void multiply_stencils(Velocity&& velocity, VectorXd& out) const;
 
   double sigma_ = -1.0, rho_ = -1.0;
   long step_serial_ = 0;
+  std::vector<int> dropped_;
+  VectorXd dropped_phi_, dropped_jacobian_;  // what drop_rows took out
+  double scale_ = 0.0;
   std::vector<int> inert_distance_;  // rows that cannot push in this step: J = 0
   std::vector<int> inert_stencil_;   // the same, by stencil
   mutable VectorXd scratch_v_, scratch_y_, scratch_geometric_;

@@ -109,7 +109,7 @@ struct Outcome {
 };
 
 // Medians over `repeats` factorisations: more where they are short, fewer where they are long.
-void time_phases(const Kkt& kkt, LinearSolver& solver, int repeats, Outcome& out) {
+void time_phases(Kkt& kkt, LinearSolver& solver, int repeats, Outcome& out) {
   constexpr double kLeastSeconds = 0.02, kMostSeconds = 5.0;
   constexpr int kLeastRepeats = 3, kMostRepeats = 100;
   std::vector<double> assemble, factor, solve;
@@ -135,7 +135,7 @@ void time_phases(const Kkt& kkt, LinearSolver& solver, int repeats, Outcome& out
   out.seconds_solve = median(solve);
 }
 
-Outcome try_route(const Kkt& kkt, const std::string& route, const QuadReference& reference, int repeats) {
+Outcome try_route(Kkt kkt, const std::string& route, const QuadReference& reference, int repeats) {
   const System& s = *kkt.system;
   const SolveOptions once{.accept_below = kInfinity, .most_refinements = 0};
   Outcome out;

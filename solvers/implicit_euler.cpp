@@ -52,6 +52,7 @@ Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, cons
     place_driven_nodes(s, state.t + dt, at_.q);
     if (Status status = kkt_.evaluate(at_.q, kGeometric); !status.ok()) return status;
     kkt_.r = (kkt_.phi - memory_.cwiseProduct(kkt_.r)) / dt;
+    for (int k : kkt_.dropped()) kkt_.r[k] = 0.0;
   } else {
     if (Status status = kkt_.evaluate(state.q, kGeometric); !status.ok()) return status;
     kernels().product(kkt_.r.size(), kkt_.phi.data(), rate_.data(), kkt_.r.data());

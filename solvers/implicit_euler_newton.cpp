@@ -24,6 +24,8 @@ constexpr double kRoundings = 4.0 * 2.2e-16;  // nothing can be solved below a f
 constexpr double kFlat =
     0.8;  // fraction of the linear decrease above which a full step is made longer; 0.5 is Newton's own
 constexpr double kLongest = 1e6;
+// gamma of redundant hard rows, as a fraction of their mobility.
+constexpr double kLeastStabilised = 1e-10, kMostStabilised = 1e-3;
 constexpr int kMostCuts = 30;
 // Fraction of the negative part of Kg in the matrix: less after an indefinite matrix, more after a good one.
 // On buckling cloth this needs half the factorisations of "all or nothing".
@@ -39,6 +41,7 @@ Status not_converged(double relative) {
 
 Status ImplicitEulerNewton::prepare() {
   kkt_.prepare(*system_);
+  rank_known_ = redundant_ = false;
   return solver_.analyze(*system_, true);
 }
 
@@ -78,6 +81,43 @@ Status ImplicitEulerNewton::evaluate(double dt, const State& start, Multipliers 
              : Status::failure(StatusCode::kNonFinite, "Newton residual is not finite");
 }
 
+Status ImplicitEulerNewton::factor_and_solve(double relative) {
+  const System& s = *system_;
+  if (s.has_hard_rows && !rank_known_) {
+    redundant_ = !hard_row_rank(kkt_).dependent.empty();
+    rank_known_ = true;
+  }
+  VectorXd mobility;
+  if (redundant_) {
+    mobility = row_mobility(kkt_);
+    const double epsilon = std::clamp(relative, kLeastStabilised, kMostStabilised);
+    for (int k = 0; k < s.rows; ++k)
+      if (std::isinf(s.stiffness[k])) kkt_.gamma[k] = epsilon * mobility[k];
+  }
+  Status status = solver_.factor(kkt_);
+  if (status.ok()) status = solver_.solve(kkt_, dv_, dy_).status;
+  for (int k = 0; k < s.rows && redundant_; ++k)
+    if (std::isinf(s.stiffness[k])) kkt_.gamma[k] = 0.0;
+  if (kkt_.dropped().empty()) return status;
+  kkt_.drop_rows({});  // a configuration where they depend: from now on stabilised
+  redundant_ = true;
+  return factor_and_solve(relative);
+}
+
+// Redundant rows that stay open when the iteration ends contradict each other.
+Status ImplicitEulerNewton::ended(const Status& failure) const {
+  constexpr double kContradiction = 1e-6;
+  int row = -1;
+  for (int k = 0; k < system_->rows && redundant_; ++k)
+    if (std::isinf(system_->stiffness[k]) && (row < 0 || std::abs(at_.g[k]) > std::abs(at_.g[row]))) row = k;
+  const double size = at_.state.q.head(3 * system_->places()).lpNorm<Eigen::Infinity>();
+  const double gap = row < 0 ? 0.0 : std::abs(at_.phi[row]);
+  if (!(gap > kContradiction * size)) return failure;
+  char text[96];
+  std::snprintf(text, sizeof text, " contradicts rows it depends on: %.2g m or rad stay open (", gap);
+  return Status::failure(StatusCode::kInconsistent, system_->row_name(row) + text + failure.reason + ")");
+}
+
 Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
   lambda_ = at.y / dt;
   kkt_.p = -at.residual;
@@ -85,8 +125,7 @@ Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
   for (;;) {
     const GeometricStiffness kind = kept_ == 1.0 ? GeometricStiffness::kFull : GeometricStiffness::kClamped;
     kkt_.set_geometric_stiffness(kind, dt * dt, at.state, lambda_, kept_);
-    Status status = solver_.factor(kkt_);
-    if (status.ok()) status = solver_.solve(kkt_, dv_, dy_).status;
+    const Status status = factor_and_solve(at.relative);
     if (status.ok()) kept_ = std::min(1.0, kKeptGrows * std::max(kept_, kLeastKept));
     if (status.code != StatusCode::kSingular || kept_ == 0.0) return status;
     ++counts_.indefinite_matrices;
@@ -117,7 +156,9 @@ double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitud
 }
 
 Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& at) {
-  if (at.relative <= kNear) {
+  // redundant rows: the stabilised step leaves a little of them open, which the penalty below does not
+  // forgive
+  if (at.relative <= kNear || redundant_) {
     trial_.state.v = at.state.v + dv_;
     trial_.y = at.y + dy_;
     if (Status status = evaluate(dt, start, Multipliers::kOwn, trial_); !status.ok()) return status;
@@ -125,6 +166,8 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
       std::swap(at, trial_);
       return {};
     }
+  }
+  if (at.relative <= kNear) {
     // no better: stay, with the rows as they are there
     const bool stay = at.relative <= kStalledButGood || system_->has_hard_rows;
     if (Status status = evaluate(dt, start, stay ? at.multipliers : Multipliers::kOfPhi, at);
@@ -210,7 +253,7 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   for (int i = 0; i < options_.most_newton_iterations && !converged; ++i) {
     const double before = at_.relative;
     if (Status status = solve_direction(dt, at_); !status.ok()) return status;
-    if (Status status = line_search(dt, state, at_); !status.ok()) return status;
+    if (Status status = line_search(dt, state, at_); !status.ok()) return ended(status);
     ++counts_.newton_iterations;
     // stalled at rounding: of the terms, or (near rest, where they all vanish) of q through the soft rows
     const double floor = kRoundings * at_.state.q.lpNorm<Eigen::Infinity>() / dt * kkt_.inverse_gamma.norm();
@@ -218,7 +261,7 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
         at_.relative <= kStalledButGood || (at_.g.isZero(0.0) && at_.residual.norm() <= floor);
     converged = at_.relative <= options_.newton_tolerance || (at_floor && at_.relative > 0.25 * before);
   }
-  if (!converged) return not_converged(at_.relative);
+  if (!converged) return ended(not_converged(at_.relative));
   ++counts_.steps;
   if (ledger) keep_books(dt, state, at_, *ledger);
   std::swap(state, at_.state);

@@ -8,7 +8,10 @@ namespace feder {
 ///   Phi(v) = 1/2 |v - v_n|_M^2 + dt/2 v.B v + sum_k W_k(phi_k(q')) + P(q'),   q' = q_n + dt v,
 ///   W = 1/dt ((dt d + b) phi'^2 / 2 - b phi_n phi'),   P = potential of the external forces,
 /// plus mu |phi| on hard rows (exact penalty). Kg is full; where that matrix is not positive definite, only
-/// part of its negative part is kept (counted).
+/// part of its negative part is kept (counted). Hard rows that depend on each other are all kept and the
+/// iteration stabilised: in the matrix alone they get a gamma that falls with the residual (stabilised
+/// sequential quadratic programming: Wright, Comput. Optim. Appl. 11, 1998), so that it converges although J
+/// has no full rank, to rows that are all closed.
 class ImplicitEulerNewton {
  public:
   static constexpr IntegratorInfo kInfo{
@@ -34,6 +37,8 @@ class ImplicitEulerNewton {
   };
   Status evaluate(double dt, const State& start, Multipliers multipliers, Iterate& at);
   Status solve_direction(double dt, const Iterate& at);
+  Status factor_and_solve(double relative);
+  Status ended(const Status& failure) const;
   double merit(double dt, const Iterate& at, double& magnitude) const;
   Status line_search(double dt, const State& start, Iterate& at);
   Status lengthen(double dt, const State& start, double before, double slope, Iterate& at);
@@ -46,7 +51,8 @@ class ImplicitEulerNewton {
   Iterate at_, trial_;
   VectorXd v_start_;  // v_n after the implicit gyroscopic step of the bodies
   VectorXd external_, remembered_, dv_, dy_, lambda_, frozen_force_;
-  double penalty_ = 0.0, kept_ = 1.0;  // kept_: fraction of the negative part of Kg
+  double penalty_ = 0.0, kept_ = 1.0;            // kept_: fraction of the negative part of Kg
+  bool rank_known_ = false, redundant_ = false;  // hard rows depend on each other
   StepCounts counts_;
 };
 

@@ -59,7 +59,7 @@ Status Leapfrog::drift_on_rows(double dt, const VectorXd& q, VectorXd& w, State&
     evaluate_phi(s, next.q, matrix_->phi);
     double open = 0.0;
     for (int k = 0; k < s.rows; ++k) {
-      kkt.r[k] = std::isinf(s.stiffness[k]) ? matrix_->phi[k] / dt : 0.0;
+      kkt.r[k] = kkt.gamma[k] == 0.0 ? matrix_->phi[k] / dt : 0.0;
       open = std::max(open, std::abs(dt * kkt.r[k]));
     }
     if (open <= kRounding * size || (open <= kClosed * size && open > 0.5 * before)) return {};

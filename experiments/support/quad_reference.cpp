@@ -33,7 +33,7 @@ void quad_residual(const Kkt& kkt, const QuadVector& v, const QuadVector& y, Kkt
 }
 
 // Refinement of the solution by one route until the corrections no longer shrink.
-QuadReference refine_in_quad(const Kkt& kkt, const std::string& route) {
+QuadReference refine_in_quad(Kkt kkt, const std::string& route) {
   constexpr int kMostRounds = 40;
   constexpr double kEnough = 1e-20;
   const System& s = *kkt.system;

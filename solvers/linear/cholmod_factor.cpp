@@ -191,6 +191,23 @@ double CholmodFactor::rcond() const {
   return cholmod_rcond(data_->L, &data_->workspace.common);
 }
 
+void CholmodFactor::read_pivots(VectorXd& out) const {
+  const cholmod_factor& L = *data_->L;
+  out.resize(static_cast<Eigen::Index>(L.n));
+  const double* x = static_cast<const double*>(L.x);
+  if (L.is_super) {
+    const int *super = static_cast<const int*>(L.super), *rows = static_cast<const int*>(L.pi),
+              *values = static_cast<const int*>(L.px);
+    for (std::size_t s = 0; s < L.nsuper; ++s)
+      for (int j = super[s]; j < super[s + 1]; ++j)
+        out[j] = x[values[s] + (j - super[s]) * (rows[s + 1] - rows[s] + 1)];
+  } else {
+    const int* start = static_cast<const int*>(L.p);
+    for (std::size_t j = 0; j < L.n; ++j) out[static_cast<Eigen::Index>(j)] = x[start[j]];
+  }
+  if (L.is_ll || L.is_super) out = out.cwiseAbs2();
+}
+
 CholmodFactor::Signs CholmodFactor::pivot_signs() const {
   Signs signs;
   FEDER_CHECK(!data_->L->is_super && !data_->L->is_ll, "pivot signs are those of an LDL^T");

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/state.h"
 #include "engine/status.h"
 #include "solvers/linear/pattern.h"
 
@@ -50,6 +51,8 @@ class CholmodFactor {
 
   /// CHOLMOD's reciprocal condition estimate from the diagonal of the factor; 0 if a NaN sits there.
   double rcond() const;
+  /// Pivots of the last factor: L_kk^2, or D_kk of an LDL^T.
+  void read_pivots(VectorXd& out) const;
   /// Signs of the pivots D of the LDL^T.
   struct Signs {
     int positive = 0, negative = 0, other = 0;

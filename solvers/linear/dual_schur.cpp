@@ -31,7 +31,8 @@ Status DualSchur::analyze(const System& s, bool) {
           edges.emplace_back(vertex[incidences_[here[i]].row], vertex[incidences_[here[j]].row]);
   const Ordering ordering = fill_reducing_order(static_cast<int>(active.size()), edges, 1);
   ordering_ = ordering.name;
-  std::vector<int> unknown(s.rows, -1);
+  unknown_.assign(s.rows, -1);
+  std::vector<int>& unknown = unknown_;
   for (int v : ordering.order) {
     unknown[active[v]] = static_cast<int>(row_.size());
     row_.push_back(active[v]);
@@ -123,8 +124,16 @@ void DualSchur::assemble(const Kkt& kkt) {
 }
 
 Status DualSchur::factor(const Kkt&) {
+  pivot_ratio_ = 1.0;
   if (row_.empty()) return {};
   Status status = factor_.factor(values_.data());
+  if (!status.ok())
+    pivot_ratio_ = 0.0;
+  else if (system_->has_hard_rows) {
+    factor_.read_pivots(pivots_);
+    for (const Diagonal& d : diagonal_)
+      pivot_ratio_ = std::min(pivot_ratio_, pivots_[unknown_[d.row]] / values_[d.entry]);
+  }
   if (status.code == StatusCode::kSingular && factor_.failed_column() >= 0)
     status.reason = "dual Schur complement is not positive definite at " +
                     system_->row_name(row_[std::min<std::size_t>(factor_.failed_column(), row_.size() - 1)]);

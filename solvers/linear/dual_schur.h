@@ -28,6 +28,9 @@ class DualSchur {
 
   double flops() const { return factor_.flops(); }
   std::string description() const;
+  /// Least pivot of the last factor, each against its diagonal entry: the squared sine between a row and
+  /// those before it, in the metric of Mt^-1. 0 if the factorisation failed.
+  double smallest_pivot_ratio() const { return pivot_ratio_; }
   double rcond() const { return system_->active_rows > 0 ? factor_.rcond() : 1.0; }
   Inertia inertia() const { return {system_->free_count, system_->active_rows, 0}; }
   const SymmetricPattern& pattern() const { return factor_.pattern(); }
@@ -48,7 +51,7 @@ class DualSchur {
 
   const System* system_ = nullptr;
   std::string ordering_;
-  std::vector<int> row_;  // row of each unknown
+  std::vector<int> row_, unknown_;  // row of each unknown, and back
   std::vector<Diagonal> diagonal_;
   std::vector<Pair> pairs_;
   std::vector<NodeProducts> mixed_;
@@ -59,7 +62,8 @@ class DualSchur {
   std::vector<Incidence> incidences_;
   CholmodFactor factor_;
   std::vector<double> values_, constant_, rhs_;  // constant_: the part that only set_step changes
-  VectorXd scratch_y_;
+  VectorXd scratch_y_, pivots_;
+  double pivot_ratio_ = 1.0;
 };
 
 }  // namespace feder

@@ -27,6 +27,11 @@ void for_each_route(Visit&& visit) {
   for_each_route(std::forward<Visit>(visit), std::make_index_sequence<std::variant_size_v<Route>>{});
 }
 
+// Dropped rows that open more than this many times the others are looked at again: they may depend no longer.
+constexpr double kOpen = 10.0, kClosed = 1e-9;
+// Share of a row that must be new, at closed rows and at most; what a gap of the scene's size would add.
+constexpr double kDependent = 1e-8, kMostDependent = 1e-3, kDrift = 10.0;
+
 std::string scientific(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", x);
@@ -89,12 +94,15 @@ Status LinearSolver::choose(const System& system, bool geometric) {
 
 Status LinearSolver::analyze(const System& system, bool geometric) {
   const Stopwatch watch(times_.analyze);
+  rank_ = {};
+  rank_known_ = false;
+  suspicious_ = kSuspicious;
   if (wanted_ == "auto") return choose(system, geometric);
   reason_ = wanted_ + ": asked for";
   return analyze_named(system, geometric, wanted_);
 }
 
-Status LinearSolver::factor(const Kkt& kkt) {
+Status LinearSolver::factor_with(const Kkt& kkt) {
   return std::visit(
       [&](auto& route) {
         {
@@ -108,7 +116,69 @@ Status LinearSolver::factor(const Kkt& kkt) {
       route_);
 }
 
-SolveReport LinearSolver::solve(const Kkt& kkt, VectorXd& v, VectorXd& y) {
+Status LinearSolver::look_at_rank(Kkt& kkt) {
+  kkt.drop_rows({});
+  // rows that drift has opened by a gap depend on each other only up to about gap / size
+  const double drift = rank_known_ && kkt.scale() > 0.0 ? kDrift * kkt.kept_gap() / kkt.scale() : 0.0;
+  rank_ = hard_row_rank(kkt, std::clamp(drift, kDependent, kMostDependent));
+  rank_known_ = true;
+  ++times_.rank_checks;
+  kkt.drop_rows(rank_.dependent);
+  return factor_with(kkt);
+}
+
+Status LinearSolver::factor(Kkt& kkt) {
+  if (!kkt.system->has_hard_rows) return factor_with(kkt);
+  const DualSchur* dual = std::get_if<DualSchur>(&route_);
+  const bool open =
+      !kkt.dropped().empty() && kkt.dropped_gap() > kOpen * kkt.kept_gap() + kClosed * kkt.scale();
+  if (open || (!dual && !rank_known_)) {
+    Status status = look_at_rank(kkt);
+    return status.ok() ? judge_dropped_rows(kkt) : status;
+  }
+  Status status = factor_with(kkt);
+  const double pivot = dual ? dual->smallest_pivot_ratio() : status.ok() ? 1.0 : 0.0;
+  if (!(pivot < suspicious_) || status.code == StatusCode::kNonFinite) return status;
+  status = look_at_rank(kkt);
+  if (!status.ok()) return status;
+  if (dual) suspicious_ = std::min(kSuspicious, 0.01 * dual->smallest_pivot_ratio());
+  return judge_dropped_rows(kkt);
+}
+
+// Rows that depend on others must be closed by what closes those: J_kept w = -phi_kept gives J_dropped w.
+Status LinearSolver::judge_dropped_rows(Kkt& kkt) {
+  constexpr double kContradiction = 1e-6;
+  if (kkt.dropped().empty()) return {};
+  const VectorXd p = kkt.p, r = kkt.r;
+  kkt.p.setZero();
+  kkt.r = kkt.phi;
+  for (int k = 0; k < kkt.r.size(); ++k)
+    if (kkt.gamma[k] > 0.0) kkt.r[k] = 0.0;
+  VectorXd w, y;
+  const SolveReport report = solve_once(kkt, w, y);
+  kkt.p = p, kkt.r = r;
+  if (!report.status.ok()) return report.status;
+  const auto [row, gap] = kkt.dropped_gap_after(w);
+  const double curvature = kkt.kept_gap() * kkt.kept_gap() / kkt.scale();  // of rows that are not closed
+  if (!(gap > kContradiction * kkt.scale() + curvature)) return {};
+  return Status::failure(StatusCode::kInconsistent,
+                         kkt.system->row_name(row) + " contradicts rows it depends on: " + scientific(gap) +
+                             " m or rad stay open when they close");
+}
+
+SolveReport LinearSolver::solve(Kkt& kkt, VectorXd& v, VectorXd& y) {
+  SolveReport report = solve_once(kkt, v, y);
+  if (report.status.code == StatusCode::kSingular && kkt.system->has_hard_rows &&
+      report.backward_error > options_.accept_below) {
+    const int before = rank_known_ ? rank_.rank : -1;
+    if (Status status = look_at_rank(kkt); status.ok() && rank_.rank != before)
+      report = solve_once(kkt, v, y);
+  }
+  report.redundant_rows = static_cast<int>(kkt.dropped().size());
+  return report;
+}
+
+SolveReport LinearSolver::solve_once(const Kkt& kkt, VectorXd& v, VectorXd& y) {
   SolveReport report;
   std::visit(
       [&](auto& route) {
@@ -164,7 +234,6 @@ SolveReport LinearSolver::solve(const Kkt& kkt, VectorXd& v, VectorXd& y) {
         if (options_.estimate_condition) report.rcond = route.rcond();
       },
       route_);
-
   const System& s = *kkt.system;
   if (!std::isfinite(report.balance_error))
     report.status =

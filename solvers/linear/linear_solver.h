@@ -5,6 +5,7 @@
 
 #include "engine/kkt.h"
 #include "solvers/linear/routes.h"
+#include "solvers/linear/row_rank.h"
 
 namespace feder {
 
@@ -23,6 +24,9 @@ struct SolveReport {
   Inertia inertia;      ///< of the KKT matrix; anything but (n, m, 0) is a failure
   double rcond = -1.0;  ///< estimate from the factor of the route's own matrix; -1 if not asked for
   int refinements = 0;
+  /// Hard rows dropped because they depend on others. Then v and the rows' force are right, the multipliers
+  /// are one of many (0 on those dropped); `least_norm_multipliers` gives the smallest.
+  int redundant_rows = 0;
 };
 
 /// Seconds spent per phase since the last reset, and how often.
@@ -30,6 +34,7 @@ struct PhaseTimes {
   double analyze = 0.0, assemble = 0.0, factor = 0.0, residual = 0.0, refine = 0.0;
   double transfer = 0.0;  ///< right-hand side to the route's unknowns, and back
   double solve = 0.0;     ///< forward and back substitution
+  long rank_checks = 0;
   long factorizations = 0, solves = 0, refinements = 0;
 };
 
@@ -47,13 +52,18 @@ class LinearSolver {
   /// Chooses (for "auto") and analyses. kRefused, with the reason, if the named route does not admit the
   /// scene.
   Status analyze(const System& system, bool geometric);
-  Status factor(const Kkt& kkt);
-  SolveReport solve(const Kkt& kkt, VectorXd& v, VectorXd& y);
+  /// Hard rows: looks at their rank after analyze (dual route: where a pivot is suspicious), again where
+  /// those dropped open or a solve misses its residual, and drops dependent ones from `kkt`. kInconsistent,
+  /// naming one, if what closes the others does not close it.
+  Status factor(Kkt& kkt);
+  SolveReport solve(Kkt& kkt, VectorXd& v, VectorXd& y);
 
   std::string route_name() const;
   /// Why this route: rows against unknowns, predicted flops of those considered.
   const std::string& choice_reason() const { return reason_; }
   double flops() const;
+  /// Of the hard rows, as last looked at; full if never suspicious.
+  const RowRank& rank() const { return rank_; }
   const Route& route() const { return route_; }
   const PhaseTimes& times() const { return times_; }
   void reset_times() { times_ = {}; }
@@ -65,8 +75,18 @@ class LinearSolver {
 
   std::string wanted_, reason_;
   SolveOptions options_;
+  Status factor_with(const Kkt& kkt);
+  Status look_at_rank(Kkt& kkt);
+  Status judge_dropped_rows(Kkt& kkt);
+  SolveReport solve_once(const Kkt& kkt, VectorXd& v, VectorXd& y);
+
   Route route_;
   PhaseTimes times_;
+  bool rank_known_ = false;  // looked at since analyze
+  // Pivot ratio (squared sine) below which rows may depend on each other.
+  static constexpr double kSuspicious = 1e-12;
+  double suspicious_ = kSuspicious;
+  RowRank rank_;
   VectorXd residual_v_, residual_y_, correction_v_, correction_y_;
 };
 

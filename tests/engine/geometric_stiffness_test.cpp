@@ -100,7 +100,7 @@ TEST(GeometricStiffness, FullPlusJacobianPartIsTheHessianOfTheEnergyForEveryRowT
     };
     const MatrixXd H =
         finite_jacobian([&](const VectorXd& q) { return finite_gradient(energy, q, 2e-3); }, state.q, 2e-3);
-    const Kkt kkt = with_geometric(s, state, GeometricStiffness::kFull, 1.0, spring_lambda(s, state.q));
+    Kkt kkt = with_geometric(s, state, GeometricStiffness::kFull, 1.0, spring_lambda(s, state.q));
     const MatrixXd Kg = geometric_by_columns(kkt), J = dense_rows(s, state.q).jacobian;
     ASSERT_GT(largest(Kg), 0.1) << single.name;
     EXPECT_LT(largest(J.transpose() * s.stiffness.asDiagonal() * J + Kg - H), 1e-7 * largest(H))
@@ -134,8 +134,7 @@ TEST(GeometricStiffness, FullPlusJacobianPartIsMinusTheDerivativeOfTheForces) {
       return f;
     };
     const MatrixXd K = -finite_jacobian(forces, scene.state.q, 1e-3);
-    const Kkt kkt =
-        with_geometric(s, scene.state, GeometricStiffness::kFull, 1.0, spring_lambda(s, scene.state.q));
+    Kkt kkt = with_geometric(s, scene.state, GeometricStiffness::kFull, 1.0, spring_lambda(s, scene.state.q));
     const MatrixXd J = dense_rows(s, scene.state.q).jacobian;
     ASSERT_GT(largest(K), 10.0);
     EXPECT_LT(largest(J.transpose() * s.stiffness.asDiagonal() * J + geometric_by_columns(kkt) - K),
@@ -150,7 +149,7 @@ TEST(GeometricStiffness, FullIsMinusLambdaTimesHessianForAnyMultipliers) {
     const System& s = scene.system;
     const VectorXd lambda = random.numbers(s.rows, 10.0);
     const double sigma = 0.04;
-    const Kkt kkt = with_geometric(s, scene.state, GeometricStiffness::kFull, sigma, lambda);
+    Kkt kkt = with_geometric(s, scene.state, GeometricStiffness::kFull, sigma, lambda);
     VectorXd acting = lambda;
     for (int k = 0; k < s.rows; ++k)
       if (s.stiffness[k] == 0.0) acting[k] = 0.0;
@@ -164,7 +163,7 @@ TEST(GeometricStiffness, FullIsMinusLambdaTimesHessianForAnyMultipliers) {
 TEST(GeometricStiffness, FullIsIndefiniteUnderCompression) {
   const Single single = single_rows()[1];
   const auto& [s, state] = single.scene;
-  const Kkt kkt = with_geometric(s, state, GeometricStiffness::kFull, 1.0, spring_lambda(s, state.q));
+  Kkt kkt = with_geometric(s, state, GeometricStiffness::kFull, 1.0, spring_lambda(s, state.q));
   EXPECT_LT(least_eigenvalue(geometric_by_columns(kkt)), -1.0);  // -32
 }
 
@@ -241,7 +240,7 @@ TEST(GeometricStiffness, ZeroRestLengthHasTheHessianOfASquareAtEveryLength) {
     expected << MatrixXd::Identity(3, 3), -MatrixXd::Identity(3, 3), -MatrixXd::Identity(3, 3),
         MatrixXd::Identity(3, 3);
     for (GeometricStiffness kind : {GeometricStiffness::kFull, GeometricStiffness::kClamped}) {
-      const Kkt kkt = with_geometric(s, state, kind, 1.0, spring_lambda(s, state.q));
+      Kkt kkt = with_geometric(s, state, kind, 1.0, spring_lambda(s, state.q));
       MatrixXd J(s.rows, 6);
       VectorXd column;
       for (int c = 0; c < 6; ++c) {

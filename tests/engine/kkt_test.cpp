@@ -46,7 +46,7 @@ TEST(Kkt, PhiAndJacobianAreTheDefinitions) {
     if (!choice.available()) continue;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const Scene scene = mixed_scene(seed, {.hard_angle = true});
-      const Kkt kkt = evaluated(scene);
+      Kkt kkt = evaluated(scene);
       const DenseRows dense = dense_rows(scene.system, scene.state.q);
       ASSERT_GT(largest(dense.phi), 0.5);
       ASSERT_GT(largest(dense.jacobian), 0.5);
@@ -58,7 +58,7 @@ TEST(Kkt, PhiAndJacobianAreTheDefinitions) {
 
 TEST(Kkt, JacobianAgreesWithDifferencesOfPhi) {
   const Scene scene = mixed_scene(5, {.hard_angle = true});
-  const Kkt kkt = evaluated(scene);
+  Kkt kkt = evaluated(scene);
   auto phi = [&](const VectorXd& q) {
     VectorXd out;
     evaluate_phi(scene.system, q, out);
@@ -73,7 +73,7 @@ TEST(Kkt, JacobianAgreesWithDifferencesOfPhi) {
 
 TEST(Kkt, EvaluatePhiAgreesWithEvaluate) {
   const Scene scene = mixed_scene(6, {.hard_angle = true});
-  const Kkt kkt = evaluated(scene);
+  Kkt kkt = evaluated(scene);
   VectorXd phi;
   evaluate_phi(scene.system, scene.state.q, phi);
   ASSERT_GT(phi.norm(), 1.0);
@@ -87,7 +87,7 @@ TEST(Kkt, TransposeIsTheAdjointOfJ) {
   Random random(3);
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Scene scene = mixed_scene(seed, {.hard_angle = true});
-    const Kkt kkt = evaluated(scene);
+    Kkt kkt = evaluated(scene);
     const VectorXd v = random.numbers(3 * scene.system.nodes), y = random.numbers(scene.system.rows);
     VectorXd Jv, Jty = VectorXd::Zero(v.size());
     kkt.multiply_jacobian(v, Jv);
@@ -99,7 +99,7 @@ TEST(Kkt, TransposeIsTheAdjointOfJ) {
 
 TEST(Kkt, TransposeAddsToWhatIsThere) {
   const Scene scene = mixed_scene(2);
-  const Kkt kkt = evaluated(scene);
+  Kkt kkt = evaluated(scene);
   const VectorXd y = VectorXd::Ones(scene.system.rows);
   VectorXd once = VectorXd::Zero(36), onto = VectorXd::Constant(36, 2.0);
   kkt.add_jacobian_transpose(y, once);
@@ -110,7 +110,7 @@ TEST(Kkt, TransposeAddsToWhatIsThere) {
 
 TEST(Kkt, SwitchedOffRowsHaveNoPhiAndNoJacobian) {
   const Scene scene = mixed_scene(3);
-  const Kkt kkt = evaluated(scene);
+  Kkt kkt = evaluated(scene);
   const Eigen::MatrixXd J = jacobian_by_columns(kkt);
   int found = 0;
   for (int k = 0; k < scene.system.rows; ++k) {
@@ -147,7 +147,7 @@ Scene one_of_each() {
 TEST(Kkt, GammaIsOneOverSigmaDPlusRhoB) {
   const Scene scene = one_of_each();
   const double sigma = 0.01, rho = 0.1;
-  const Kkt kkt = evaluated(scene, sigma, rho);
+  Kkt kkt = evaluated(scene, sigma, rho);
   const auto& row = scene.system.row_of_id;
   EXPECT_DOUBLE_EQ(kkt.gamma[row[0]], 1.0 / (sigma * 50.0));
   EXPECT_DOUBLE_EQ(kkt.gamma[row[2]], 1.0 / (sigma * 20.0 + rho * 20.0 * 0.25));
@@ -158,7 +158,7 @@ TEST(Kkt, GammaIsOneOverSigmaDPlusRhoB) {
 
 TEST(Kkt, GammaOfARigidRowIsExactlyZero) {
   const Scene scene = one_of_each();
-  const Kkt kkt = evaluated(scene);
+  Kkt kkt = evaluated(scene);
   for (int id : {1, 6, 7}) {
     EXPECT_EQ(kkt.gamma[scene.system.row_of_id[id]], 0.0);
     EXPECT_EQ(kkt.inverse_gamma[scene.system.row_of_id[id]], 0.0);
@@ -170,7 +170,7 @@ TEST(Kkt, GammaOfARigidRowIsExactlyZero) {
 TEST(Kkt, WithSigmaZeroOnlyDampingPushes) {
   // leapfrog's second kick: sigma = 0, rho = dt/2
   const Scene scene = one_of_each();
-  const Kkt kkt = evaluated(scene, 0.0, 0.05);
+  Kkt kkt = evaluated(scene, 0.0, 0.05);
   const auto& row = scene.system.row_of_id;
   const Eigen::MatrixXd J = jacobian_by_columns(kkt);
   EXPECT_DOUBLE_EQ(kkt.gamma[row[2]], 1.0 / (0.05 * 20.0 * 0.25));
@@ -188,7 +188,7 @@ TEST(Kkt, WithSigmaZeroOnlyDampingPushes) {
 TEST(Kkt, RigidRowsStayRigidWithSigmaZero) {
   const Scene scene = one_of_each();
   for (double rho : {0.0, 0.05}) {
-    const Kkt kkt = evaluated(scene, 0.0, rho);
+    Kkt kkt = evaluated(scene, 0.0, rho);
     const Eigen::MatrixXd J = jacobian_by_columns(kkt);
     for (int id : {1, 6, 7}) {
       EXPECT_EQ(kkt.gamma[scene.system.row_of_id[id]], 0.0) << id;
@@ -213,7 +213,7 @@ TEST(Kkt, RowsComeBackWhenSigmaDoes) {
 TEST(Kkt, MassIsInertiaPlusRhoDrag) {
   const Scene scene = mixed_scene(1);
   const System& s = scene.system;
-  const Kkt kkt = evaluated(scene, 0.01, 0.1);
+  Kkt kkt = evaluated(scene, 0.01, 0.1);
   for (int i = 0; i < 3 * s.nodes; ++i) {
     const double drag = s.inverse_mass[i] > 0.0 ? 0.1 * 0.4 : 0.0;
     EXPECT_DOUBLE_EQ(kkt.mass[i], s.mass[i / 3] + drag);

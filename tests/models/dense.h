@@ -37,7 +37,7 @@ inline Kkt evaluated(const System& s, const VectorXd& q) {
 
 /// J^T D J.
 inline Eigen::MatrixXd dense_stiffness(const System& s, const VectorXd& q) {
-  const Kkt kkt = evaluated(s, q);
+  Kkt kkt = evaluated(s, q);
   const std::vector<int> at = free_coordinates(s);
   Eigen::MatrixXd J(s.rows, s.free_count);
   VectorXd unit = VectorXd::Zero(3 * s.nodes), column;

@@ -45,7 +45,7 @@ TEST(Campaign, RoutesThatAdmitASceneSolveItsStepMatrix) {
     const Draw d = draw(seed);
     const auto [system, state] = random_system(seed, d.system);
     const GeometricStiffness kind = seed % 2 ? GeometricStiffness::kClamped : GeometricStiffness::kOff;
-    const Kkt kkt = test::implicit_euler_kkt(system, state, d.dt, kind);
+    Kkt kkt = test::implicit_euler_kkt(system, state, d.dt, kind);
     VectorXd dense_v;
     for (const char* route : {"dense", "kkt", "primal", "dual", "auto"}) {
       LinearSolver solver(route, {.refine_above = 1e-15});
@@ -103,7 +103,7 @@ TEST(Campaign, LedgersOfImplicitStepsClose) {
 TEST(Campaign, RoutesAgreeOnRandomMechanisms) {
   for (int seed = 0; seed < campaign_cases(5000); ++seed) {
     const auto [system, state] = test::random_mechanism(seed, 2 + seed % 15, 0.5, 1e4);
-    const Kkt kkt = test::implicit_euler_kkt(system, state, 0.01);
+    Kkt kkt = test::implicit_euler_kkt(system, state, 0.01);
     VectorXd dense_v, v, y;
     for (const char* route : {"dense", "kkt", "dual", "auto"}) {
       LinearSolver solver(route);

@@ -21,7 +21,7 @@ struct Solved {
   VectorXd v, y;
 };
 
-Solved solve(const std::string& route, const System& system, const Kkt& kkt, SolveOptions options = {}) {
+Solved solve(const std::string& route, const System& system, Kkt kkt, SolveOptions options = {}) {
   Solved out;
   LinearSolver solver(route, options);
   out.status = solver.analyze(system, kkt.geometric);
@@ -49,7 +49,7 @@ TYPED_TEST(EveryRoute, AgreesWithTheDenseSolveOnRandomSystems) {
       const auto [system, state] = random_system(seed, {.particles = 4 + 2 * static_cast<int>(seed),
                                                         .stiffness = stiffness,
                                                         .damping_time = seed % 2 ? 0.01 : 0.0});
-      const Kkt kkt = implicit_euler_kkt(system, state, 0.01);
+      Kkt kkt = implicit_euler_kkt(system, state, 0.01);
       const Solved sparse = solve(TypeParam::kName, system, kkt, exact),
                    dense = solve("dense", system, kkt, exact);
       ASSERT_TRUE(sparse.status.ok()) << sparse.status.reason;
@@ -63,7 +63,7 @@ TYPED_TEST(EveryRoute, AgreesWithTheDenseSolveOnRandomSystems) {
 
 TYPED_TEST(EveryRoute, AgreesWithTheDenseSolveWithClampedGeometricStiffnessOrRefusesByName) {
   const auto [system, state] = random_system(3, {.particles = 20});
-  const Kkt kkt = implicit_euler_kkt(system, state, 0.05, GeometricStiffness::kClamped);
+  Kkt kkt = implicit_euler_kkt(system, state, 0.05, GeometricStiffness::kClamped);
   VectorXd Kv = VectorXd::Zero(state.v.size());
   kkt.add_geometric(state.v, Kv);
   ASSERT_GT(Kv.norm(), 1e-3);
@@ -80,7 +80,7 @@ TYPED_TEST(EveryRoute, AgreesWithTheDenseSolveWithClampedGeometricStiffnessOrRef
 TYPED_TEST(EveryRoute, SolvesRodsExactlyOrRefusesThemByName) {
   const auto [system, state] = random_system(5, {.particles = 20, .rods = 6});
   ASSERT_TRUE(system.has_hard_rows);
-  const Kkt kkt = implicit_euler_kkt(system, state, 0.01);
+  Kkt kkt = implicit_euler_kkt(system, state, 0.01);
   const Solved sparse = solve(TypeParam::kName, system, kkt), dense = solve("dense", system, kkt);
   if constexpr (std::is_same_v<TypeParam, PrimalSchur>) {
     EXPECT_EQ(sparse.status.code, StatusCode::kRefused);
@@ -118,7 +118,7 @@ TYPED_TEST(EveryRoute, ReportsNonFiniteNumbersInsteadOfAnAnswer) {
 
 TYPED_TEST(EveryRoute, HasInertiaOfAQuasidefiniteMatrix) {
   const auto [system, state] = random_system(8, {.particles = 18});
-  const Kkt kkt = implicit_euler_kkt(system, state, 0.01);
+  Kkt kkt = implicit_euler_kkt(system, state, 0.01);
   const Solved sparse = solve(TypeParam::kName, system, kkt), dense = solve("dense", system, kkt);
   ASSERT_GT(system.active_rows, 10);
   EXPECT_EQ(dense.report.inertia.positive, system.free_count);
@@ -170,7 +170,7 @@ TEST(Routes, AgreeOnTheClothFromSoftToStiff) {
         model.state.v[i] = 0.1 * std::cos(1.7 * i);
         model.state.q[i] += 1e-3 * std::sin(2.3 * i);
       }
-    const Kkt kkt = implicit_euler_kkt(model.system, model.state, 1.0 / 60.0);
+    Kkt kkt = implicit_euler_kkt(model.system, model.state, 1.0 / 60.0);
     const Solved primal = solve("primal", model.system, kkt, exact);
     ASSERT_TRUE(primal.status.ok()) << primal.status.reason;
     ASSERT_GT(primal.v.norm(), 0.1);
@@ -187,7 +187,7 @@ TEST(Routes, AgreeOnAChainOfRods) {
   Model model = make_model("S1h(200)");
   for (int i = 0; i < model.state.v.size(); ++i)
     if (model.system.inverse_mass[i] > 0.0) model.state.q[i] += 1e-3 * std::sin(2.3 * i);
-  const Kkt kkt = implicit_euler_kkt(model.system, model.state, 1e-3);
+  Kkt kkt = implicit_euler_kkt(model.system, model.state, 1e-3);
   const Solved direct = solve("kkt", model.system, kkt), dual = solve("dual", model.system, kkt);
   ASSERT_TRUE(direct.status.ok()) << direct.status.reason;
   ASSERT_TRUE(dual.status.ok()) << dual.status.reason;
@@ -204,7 +204,7 @@ TEST(Routes, PrimalCertificateIsThatOfTheUnreducedSystem) {
       model.state.v[i] = 0.1 * std::cos(1.7 * i);
       model.state.q[i] += 1e-3 * std::sin(2.3 * i);
     }
-  const Kkt kkt = implicit_euler_kkt(model.system, model.state, 1.0 / 60.0);
+  Kkt kkt = implicit_euler_kkt(model.system, model.state, 1.0 / 60.0);
   SolveOptions once, exact;
   once.most_refinements = 0;
   once.accept_below = 1.0;

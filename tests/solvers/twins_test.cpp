@@ -22,7 +22,7 @@ struct DenseChain {
   DenseChain() {
     const auto [system, state] =
         test::random_system(4, {.particles = 6, .stiffness = 1e4, .bending = false, .loops = false});
-    const Kkt kkt = test::implicit_euler_kkt(system, state, kDt);
+    Kkt kkt = test::implicit_euler_kkt(system, state, kDt);
     std::vector<int> free;
     for (int i = 0; i < state.v.size(); ++i)
       if (system.inverse_mass[i] > 0.0) free.push_back(i);
@@ -139,7 +139,7 @@ TEST(Slip4, NotesStepIsNotUnconditionallyStable) {
 // Implicit Euler for the linear chain in closed form, mode by mode: (z_j', w_j') = (z_j + dt w_j') with
 // w_j' = (w_j - dt omega_j^2 z_j) / (1 + dt^2 omega_j^2), written as dense linear algebra on M and K.
 State exact_implicit_euler(const System& system, const State& start, double dt, int steps) {
-  const Kkt kkt = test::implicit_euler_kkt(system, start, dt);
+  Kkt kkt = test::implicit_euler_kkt(system, start, dt);
   const Eigen::Index n = start.q.size();
   Eigen::MatrixXd J(system.rows, n);
   VectorXd unit = VectorXd::Zero(n), column;
