@@ -41,27 +41,32 @@ int BlockCholesky::slot(int i, int j) const {
 }
 
 void BlockCholesky::place_links(const BlockSymbolic& symbolic) {
-  const int count = static_cast<int>(symbolic.links.size());
-  std::vector<int> place(symbolic.parent.size(), -1);
+  const std::size_t count = symbolic.links.size();
+  std::vector<int> number(symbolic.parent.size(), -1), parent(count, -1);
+  for (std::size_t k = 0; k < count; ++k) number[symbolic.links[k]] = static_cast<int>(k);
+  for (std::size_t k = 0; k < count; ++k)
+    if (const int up = symbolic.parent[symbolic.links[k]]; up >= 0) parent[k] = number[up];
+  LinkSchedule schedule = schedule_links(parent);
   std::vector<std::vector<int>> children(count);
-  for (int k = 0; k < count; ++k) place[symbolic.links[k]] = k;
-  link_column_ = symbolic.links;
-  link_follows_.assign(count, 0);
-  for (int k = 0; k < count; ++k) {
-    const int column = link_column_[k], parent = symbolic.parent[column];
+  std::vector<int> place(count);
+  for (std::size_t k = 0; k < count; ++k) place[schedule.order[k]] = static_cast<int>(k);
+  for (std::size_t k = 0; k < count; ++k) {
+    const int column = symbolic.links[schedule.order[k]], up = parent[schedule.order[k]];
+    link_column_.push_back(column);
     link_value_.push_back(9 * start_[column]);
-    link_parent_.push_back(parent);
-    if (parent < 0 || place[parent] < 0) continue;
-    if (place[parent] == k + 1)
-      link_follows_[k + 1] = 1;
-    else
-      children[place[parent]].push_back(k);
+    link_parent_.push_back(symbolic.parent[column]);
+    if (up >= 0) children[place[up]].push_back(static_cast<int>(k));
   }
   link_child_start_.push_back(0);
-  for (const std::vector<int>& mine : children) {
-    link_child_.insert(link_child_.end(), mine.begin(), mine.end());
+  for (std::size_t k = 0, run = 0; k < count; ++k) {
+    while (static_cast<int>(k) >= schedule.runs[run].end) ++run;
+    const int just_before = static_cast<int>(k) - (schedule.runs[run].pairs ? 2 : 1);
+    for (int child : children[k])
+      if (!(schedule.follows[k] && child == just_before)) link_child_.push_back(child);
     link_child_start_.push_back(static_cast<int>(link_child_.size()));
   }
+  link_follows_ = std::move(schedule.follows);
+  link_run_ = std::move(schedule.runs);
   link_.assign(count, {});
 }
 
@@ -138,8 +143,14 @@ void BlockCholesky::list_updates(const BlockSymbolic& symbolic) {
 }
 
 LinkView BlockCholesky::links() const {
-  return {static_cast<int>(link_.size()), link_column_.data(), link_parent_.data(), link_value_.data(),
-          link_child_start_.data(),       link_child_.data(),  link_follows_.data()};
+  return {static_cast<int>(link_.size()),
+          link_run_.data(),
+          link_column_.data(),
+          link_parent_.data(),
+          link_value_.data(),
+          link_follows_.data(),
+          link_child_start_.data(),
+          link_child_.data()};
 }
 
 PanelView BlockCholesky::view(const Panel& panel) const {
@@ -158,10 +169,11 @@ void BlockCholesky::fill_panel(const Panel& panel, int copy, int link) {
   }
   for (int c = 0; c < panel.columns; ++c) work_[c] = at[c * (panel.stride + 1)];
   for (; link < panel.link_end; ++link) {
-    const Passed p = passed(link_[link_update_[link].link]);
+    double p[6];
+    passed(link_[link_update_[link].link], p);
     double *to = at + link_update_[link].target, *next = to + panel.stride;
-    to[0] -= p.a11, to[1] -= p.a21, to[2] -= p.a31, next[1] -= p.a22, next[2] -= p.a32;
-    next[panel.stride + 2] -= p.a33;
+    to[0] -= p[0], to[1] -= p[1], to[2] -= p[2], next[1] -= p[3], next[2] -= p[4];
+    next[panel.stride + 2] -= p[5];
   }
 }
 

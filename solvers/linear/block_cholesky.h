@@ -78,6 +78,7 @@ class BlockCholesky {
 
   std::vector<int> link_column_, link_parent_, link_value_, link_child_start_, link_child_;
   std::vector<char> link_follows_;
+  std::vector<LinkRun> link_run_;
   std::vector<Link> link_;
 
   std::vector<Panel> panel_;

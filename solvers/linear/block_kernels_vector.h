@@ -78,7 +78,8 @@ void update(const double* source, int stride, int depth, int rows, int columns, 
 // The diagonal block at `a`: 1 / L_kk on its diagonal, L below. False at a bad pivot.
 inline bool factor_diagonal(double* a, int stride, const double* original, int column, PivotWatch& watch) {
   double *b = a + stride, *c = b + stride;
-  const Pivots p = pivots(a[0], a[1], a[2], b[1], b[2], c[2]);
+  const double lower[6] = {a[0], a[1], a[2], b[1], b[2], c[2]};
+  const Pivots<double> p = pivots(lower);
   const double pivot[3] = {a[0], p.pivot2, p.pivot3};
   if (!accept(watch, pivot, original, column)) return false;
   const double s1 = __builtin_sqrt(p.r1), s2 = __builtin_sqrt(a[0] * p.q2),
@@ -113,7 +114,9 @@ bool eliminate(const PanelView& panel, const double* original, int first, PivotW
       int i = top;
       for (; i + 3 * kLanes <= stride; i += 3 * kLanes)
         subtract_tile<3>(panel.at + i, panel.at + c, stride, c, column + i);
-      for (; i < stride; i += kLanes) subtract_tile<1>(panel.at + i, panel.at + c, stride, c, column + i);
+      const int left = (stride - i) / kLanes;
+      if (left == 2) subtract_tile<2>(panel.at + i, panel.at + c, stride, c, column + i);
+      if (left == 1) subtract_tile<1>(panel.at + i, panel.at + c, stride, c, column + i);
     }
     if (!factor_diagonal(column + c, stride, original + c, first + c, watch)) return false;
     double kept[3][3];

@@ -1,61 +1,138 @@
-// Links on scalars: three numbers fill no vector, and wide instructions measured slower. A = L D L^T here: no
-// square roots, and what is passed on to the parent needs only quantities that are one division away from the
-// diagonal block (w2, w3 below are multiples of columns of L D).
+// Links one or two at a time: the three numbers of a block column fill no vector, and wider instructions
+// measured slower. A = L D L^T here: no square roots, and what is passed on to the parent needs only
+// quantities that are one division away from the diagonal block (w2, w3 below are multiples of columns of
+// L D).
 #include "solvers/linear/block_links.h"
 
 namespace feder {
 namespace {
 
+typedef double Pair __attribute__((vector_size(16)));
+typedef long long PairBits __attribute__((vector_size(16)));
+
+template <class T>
+constexpr int kLanes = sizeof(T) / sizeof(double);
+
+inline bool all(bool x) {
+  return x;
+}
+inline bool all(PairBits x) {
+  return (x[0] & x[1]) != 0;
+}
+
+template <class T>
+inline T gather(const double* const (&from)[kLanes<T>], int i) {
+  if constexpr (kLanes<T> == 2)
+    return T{from[0][i], from[1][i]};
+  else
+    return from[0][i];
+}
+template <class T>
+inline double part(const T& x, int i) {
+  if constexpr (kLanes<T> == 2)
+    return x[i];
+  else
+    return x;
+}
+template <class T>
+inline void set_part(T& x, int i, double y) {
+  if constexpr (kLanes<T> == 2)
+    x[i] = y;
+  else
+    x = y;
+}
+
+// True if every pivot is positive, finite and not the least so far; otherwise they need a closer look.
+template <class T>
+inline bool unremarkable(const PivotWatch& watch, const T& pivot, const T& original) {
+  constexpr double kLargest = __DBL_MAX__;
+  return all((pivot > 0.0) & (pivot <= kLargest) & (pivot * watch.original >= watch.pivot * original));
+}
+
 // L below = B L^-T D^-1; the rest as in pivots()
-inline Passed eliminate_below(const double* b, const double* a, const Pivots& p, Link& link) {
-  double v[3][3], w[3][3];
-  const double a11 = a[0], a21 = a[1], a31 = a[2], f2 = p.r1, f3 = p.r1 * p.q2, c22a11 = p.c22 * a11,
-               c22a31 = p.c22 * a31;
+template <class T>
+inline void eliminate_below(const T (&b)[9], const T (&a)[6], const Pivots<T>& p,
+                            Link* const (&link)[kLanes<T>], T (&taken)[6]) {
+  T v[3][3], w[3][3];
+  const T f3 = p.r1 * p.q2, c22a11 = p.c22 * a[0], c22a31 = p.c22 * a[2];
   for (int i = 0; i < 3; ++i) {
-    const double b1 = b[i], w2 = a11 * b[3 + i] - a21 * b1,
-                 w3 = (c22a11 * b[6 + i] - c22a31 * b1) - p.c32 * w2;
-    v[0][i] = b1 * p.r1, v[1][i] = w2 * p.q2, v[2][i] = w3 * p.q3;
-    w[0][i] = b1, w[1][i] = w2 * f2, w[2][i] = w3 * f3;
+    const T w2 = a[0] * b[3 + i] - a[1] * b[i], w3 = (c22a11 * b[6 + i] - c22a31 * b[i]) - p.c32 * w2;
+    v[0][i] = b[i] * p.r1, v[1][i] = w2 * p.q2, v[2][i] = w3 * p.q3;
+    w[0][i] = b[i], w[1][i] = w2 * p.r1, w[2][i] = w3 * f3;
   }
-  for (int c = 0; c < 3; ++c)
-    for (int i = 0; i < 3; ++i) link.below[3 * c + i] = v[c][i];
-  auto sum = [&](int i, int j) { return w[0][i] * v[0][j] + w[1][i] * v[1][j] + w[2][i] * v[2][j]; };
-  return {sum(0, 0), sum(1, 0), sum(2, 0), sum(1, 1), sum(2, 1), sum(2, 2)};
+  for (int l = 0; l < kLanes<T>; ++l)
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < 3; ++i) link[l]->below[3 * c + i] = part(v[c][i], l);
+  for (int j = 0, k = 0; j < 3; ++j)
+    for (int i = j; i < 3; ++i, ++k) taken[k] = w[0][i] * v[0][j] + w[1][i] * v[1][j] + w[2][i] * v[2][j];
+}
+
+template <class T>
+inline void take_children(const LinkView& list, const Link* link, int k, int l, T (&a)[6]) {
+  for (int i = list.child_start[k]; i < list.child_start[k + 1]; ++i) {
+    double taken[6];
+    passed(link[list.child[i]], taken);
+    for (int c = 0; c < 6; ++c) set_part(a[c], l, part(a[c], l) - taken[c]);
+  }
+}
+
+template <class T>
+bool factor_run(const LinkView& list, int begin, int end, const double* values, Link* out,
+                PivotWatch& watch) {
+  constexpr int kColumn[6] = {0, 1, 2, 4, 5, 8};
+  T taken[6] = {};
+  for (int k = begin; k < end; k += kLanes<T>) {
+    const double *value[kLanes<T>], *below[kLanes<T>];
+    Link* link[kLanes<T>];
+    for (int l = 0; l < kLanes<T>; ++l) {
+      value[l] = values + list.value[k + l], link[l] = out + k + l;
+      below[l] = list.parent[k + l] >= 0 ? value[l] + 9 : value[l];  // read in any case, used in one
+      if (!list.follows[k + l])
+        for (T& x : taken) set_part(x, l, 0.0);
+    }
+    T a[6], b[9];
+    for (int i = 0; i < 6; ++i) a[i] = gather<T>(value, kColumn[i]);
+    const T original[3] = {a[0], a[3], a[5]};
+    for (int i = 0; i < 6; ++i) a[i] -= taken[i];
+    for (int l = 0; l < kLanes<T>; ++l) take_children(list, out, k + l, l, a);
+    const Pivots<T> p = pivots(a);
+    if (!(unremarkable(watch, a[0], original[0]) & unremarkable(watch, p.pivot2, original[1]) &
+          unremarkable(watch, p.pivot3, original[2])))
+      for (int l = 0; l < kLanes<T>; ++l) {
+        const double pivot[3] = {part(a[0], l), part(p.pivot2, l), part(p.pivot3, l)};
+        const double before[3] = {part(original[0], l), part(original[1], l), part(original[2], l)};
+        if (!accept(watch, pivot, before, 3 * list.column[k + l])) return false;
+      }
+    const T l21 = a[1] * p.r1, l31 = a[2] * p.r1, l32 = p.c32 * p.q2, r2 = a[0] * p.q2,
+            r3 = a[0] * p.c22 * p.q3;
+    for (int l = 0; l < kLanes<T>; ++l) {
+      link[l]->l21 = part(l21, l), link[l]->l31 = part(l31, l), link[l]->l32 = part(l32, l);
+      link[l]->r1 = part(p.r1, l), link[l]->r2 = part(r2, l), link[l]->r3 = part(r3, l);
+    }
+    for (int i = 0; i < 9; ++i) b[i] = gather<T>(below, i);
+    eliminate_below(b, a, p, link, taken);
+  }
+  return true;
 }
 
 }  // namespace
 
-Passed passed(const Link& link) {
+void passed(const Link& link, double (&taken)[6]) {
   const double *v = link.below, d[3] = {1.0 / link.r1, 1.0 / link.r2, 1.0 / link.r3};
-  auto sum = [&](int i, int j) {
-    return v[i] * d[0] * v[j] + v[3 + i] * d[1] * v[3 + j] + v[6 + i] * d[2] * v[6 + j];
-  };
-  return {sum(0, 0), sum(1, 0), sum(2, 0), sum(1, 1), sum(2, 1), sum(2, 2)};
+  for (int j = 0, k = 0; j < 3; ++j)
+    for (int i = j; i < 3; ++i, ++k)
+      taken[k] = v[i] * d[0] * v[j] + v[3 + i] * d[1] * v[3 + j] + v[6 + i] * d[2] * v[6 + j];
 }
 
 bool factor_links(const LinkView& list, const double* values, Link* out, PivotWatch& total) {
   PivotWatch watch = total;
-  Passed before;
-  for (int k = 0; k < list.count; ++k) {
-    const double* value = values + list.value[k];
-    if (!list.follows[k]) before = {};
-    double a[6] = {value[0] - before.a11, value[1] - before.a21, value[2] - before.a31,
-                   value[4] - before.a22, value[5] - before.a32, value[8] - before.a33};
-    for (int i = list.child_start[k]; i < list.child_start[k + 1]; ++i) {
-      const Passed other = passed(out[list.child[i]]);
-      a[0] -= other.a11, a[1] -= other.a21, a[2] -= other.a31;
-      a[3] -= other.a22, a[4] -= other.a32, a[5] -= other.a33;
-    }
-    const Pivots p = pivots(a[0], a[1], a[2], a[3], a[4], a[5]);
-    const double pivot[3] = {a[0], p.pivot2, p.pivot3}, original[3] = {value[0], value[4], value[8]};
-    if (!accept(watch, pivot, original, 3 * list.column[k])) return total = watch, false;
-    Link& link = out[k];
-    link.l21 = a[1] * p.r1, link.l31 = a[2] * p.r1, link.l32 = p.c32 * p.q2;
-    link.r1 = p.r1, link.r2 = a[0] * p.q2, link.r3 = a[0] * p.c22 * p.q3;
-    if (list.parent[k] >= 0) before = eliminate_below(value + 9, a, p, link);
-  }
+  bool good = true;
+  const LinkRun* run = list.run;
+  for (int begin = 0; good && begin < list.count; begin = run++->end)
+    good = run->pairs ? factor_run<Pair>(list, begin, run->end, values, out, watch)
+                      : factor_run<double>(list, begin, run->end, values, out, watch);
   total = watch;
-  return true;
+  return good;
 }
 
 void forward_links(const LinkView& list, const Link* link, double* x) {

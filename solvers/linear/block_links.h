@@ -1,18 +1,27 @@
 #pragma once
 
+#include <vector>
+
 #include "solvers/linear/block_pivots.h"
 
 namespace feder {
 
-/// The links of a factorisation, numbered by their place in the list.
+/// Links in the order of work, in runs: two at a time side by side where two are ready, or one by one.
+struct LinkRun {
+  int end;
+  bool pairs;
+};
+
+/// The links of a factorisation, numbered in the order of work.
 struct LinkView {
   int count;
+  const LinkRun* run;
   const int* column;       ///< block column of each
   const int* parent;       ///< block column it passes on to, -1: none
   const int* value;        ///< where its diagonal block starts in `values`, the block below follows
-  const int* child_start;  ///< children but the link just before it, in `child`
+  const char* follows;     ///< its child is the one just before it in its run (and its half of a pair)
+  const int* child_start;  ///< all other children, in `child`
   const int* child;
-  const char* follows;  ///< its child is the link just before it
 };
 
 /// What one link leaves: A = L D L^T with ones on the diagonal of L.
@@ -22,13 +31,18 @@ struct Link {
   double unused;                     ///< two cache lines
 };
 
-/// What a child takes from the diagonal block of its parent, lower triangle.
-struct Passed {
-  double a11 = 0.0, a21 = 0.0, a31 = 0.0, a22 = 0.0, a32 = 0.0, a33 = 0.0;
-};
-Passed passed(const Link& link);
+/// What a link takes from the diagonal block of its parent: lower triangle by columns.
+void passed(const Link& link, double (&taken)[6]);
 
-/// Factors all links in order; false at a bad pivot.
+/// An order of work that keeps two lanes busy. `parent` of each link is a link or -1.
+struct LinkSchedule {
+  std::vector<int> order;     ///< links
+  std::vector<char> follows;  ///< by place in `order`, as in LinkView
+  std::vector<LinkRun> runs;
+};
+LinkSchedule schedule_links(const std::vector<int>& parent);
+
+/// Factors all links; false at a bad pivot.
 bool factor_links(const LinkView&, const double* values, Link* out, PivotWatch& watch);
 /// Substitutions on the links' part of x and, forward, what it takes from their parents.
 void forward_links(const LinkView&, const Link*, double* x);

@@ -16,17 +16,21 @@ struct PivotWatch {
 
 namespace {  // compiled with several instruction sets: not to be merged by the linker
 
+template <class T>
 struct Pivots {
-  double c22, c32, d;  // see above
-  double r1, q2, q3;   // 1 / a_11, 1 / c_22, 1 / d
-  double pivot2, pivot3;
+  T c22, c32, d;  // see above
+  T r1, q2, q3;   // 1 / a_11, 1 / c_22, 1 / d
+  T pivot2, pivot3;
 };
 
-inline Pivots pivots(double a11, double a21, double a31, double a22, double a32, double a33) {
-  Pivots p;
+// lower triangle by columns; T: one number or several side by side
+template <class T>
+inline Pivots<T> pivots(const T (&a)[6]) {
+  const T a11 = a[0], a21 = a[1], a31 = a[2], a22 = a[3], a32 = a[4], a33 = a[5];
+  Pivots<T> p;
   p.c22 = a11 * a22 - a21 * a21;
   p.c32 = a11 * a32 - a31 * a21;
-  const double c33 = a11 * a33 - a31 * a31;
+  const T c33 = a11 * a33 - a31 * a31;
   p.d = p.c22 * c33 - p.c32 * p.c32;
   p.r1 = 1.0 / a11;
   p.q2 = 1.0 / p.c22;
