@@ -63,8 +63,10 @@ inline void eliminate_below(const T (&b)[9], const T (&a)[6], const Pivots<T>& p
   for (int l = 0; l < kLanes<T>; ++l)
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < 3; ++i) link[l]->below[3 * c + i] = part(v[c][i], l);
-  for (int j = 0, k = 0; j < 3; ++j)
-    for (int i = j; i < 3; ++i, ++k) taken[k] = w[0][i] * v[0][j] + w[1][i] * v[1][j] + w[2][i] * v[2][j];
+  // written out: as a loop it is vectorised through memory, and the next link waits for that
+  auto sum = [&](int i, int j) { return w[0][i] * v[0][j] + w[1][i] * v[1][j] + w[2][i] * v[2][j]; };
+  taken[0] = sum(0, 0), taken[1] = sum(1, 0), taken[2] = sum(2, 0);
+  taken[3] = sum(1, 1), taken[4] = sum(2, 1), taken[5] = sum(2, 2);
 }
 
 template <class T>
