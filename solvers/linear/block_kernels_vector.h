@@ -112,9 +112,10 @@ bool eliminate(const PanelView& panel, const double* original, int first, PivotW
     double* column = panel.at + static_cast<std::ptrdiff_t>(c) * stride;
     if (c > 0) {
       int i = top;
-      for (; i + 3 * kLanes <= stride; i += 3 * kLanes)
-        subtract_tile<3>(panel.at + i, panel.at + c, stride, c, column + i);
+      for (; i + 4 * kLanes <= stride; i += 4 * kLanes)
+        subtract_tile<4>(panel.at + i, panel.at + c, stride, c, column + i);
       const int left = (stride - i) / kLanes;
+      if (left == 3) subtract_tile<3>(panel.at + i, panel.at + c, stride, c, column + i);
       if (left == 2) subtract_tile<2>(panel.at + i, panel.at + c, stride, c, column + i);
       if (left == 1) subtract_tile<1>(panel.at + i, panel.at + c, stride, c, column + i);
     }
