@@ -46,7 +46,7 @@ struct PhaseTimes {
 ///     SolveReport report = solver.solve(kkt, v, y);     // kkt.p and kkt.r are the right-hand side
 class LinearSolver {
  public:
-  /// "kkt", "primal", "dual", "dense" or "auto". Throws InputError for any other name.
+  /// "kkt", "primal", "dual", "dual_blocks", "dense" or "auto". Throws InputError for any other name.
   explicit LinearSolver(std::string route = "auto", const SolveOptions& options = {});
 
   /// Chooses (for "auto") and analyses. kRefused, with the reason, if the named route does not admit the
