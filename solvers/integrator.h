@@ -33,6 +33,7 @@ struct StepCounts {
   long force_evaluations = 0;
   long newton_iterations = 0;
   long line_search_cuts = 0;
+  double position_drift = 0.0, velocity_drift = 0.0;  ///< largest |phi| and |J v + phi_t| before a projection
   long indefinite_matrices = 0;  ///< with the Kg tried; tried again with less of its negative part
 };
 

@@ -4,6 +4,9 @@
 // velocity (v + v')/2 of the whole step.
 #include "solvers/rk4.h"
 
+#include <cmath>
+
+#include "engine/row_rates.h"
 #include "solvers/impulse_ledger.h"
 
 namespace feder {
@@ -16,6 +19,73 @@ void Rk4::drive(State& at) const {
   if (!system_->driven()) return;
   place_driven_nodes(*system_, at.t, at.q);
   set_driven_velocities(*system_, at.t, at.v);
+}
+
+Status Rk4::prepare() {
+  matrix_.reset();
+  if (!system_->has_hard_rows) return {};
+  matrix_ = std::make_unique<Matrix>(Matrix{{}, LinearSolver(options_.route, options_.solve), {}, {}, {}});
+  matrix_->kkt.prepare(*system_);
+  matrix_->kkt.set_step(0.0, 0.0);  // only hard rows act
+  return matrix_->solver.analyze(*system_, false);
+}
+
+// force += J^T lambda with J a + Jdot v + phi_tt = 0
+Status Rk4::hold_rows(const State& at, VectorXd& force) {
+  const System& s = *system_;
+  Kkt& kkt = matrix_->kkt;
+  if (Status status = kkt.evaluate(at.q, false); !status.ok()) return status;
+  kkt.p = force;
+  for (int i : s.masked) kkt.p[i] = 0.0;
+  jacobian_rate(s, at, kkt.r);
+  if (s.driven()) {
+    driven_accelerations(s, at.t, matrix_->driven);
+    kkt.multiply_jacobian(matrix_->driven, matrix_->a);
+    kkt.r += matrix_->a;
+  }
+  if (Status status = matrix_->solver.factor(kkt); !status.ok()) return status;
+  for (int k : kkt.dropped()) kkt.r[k] = 0.0;
+  if (Status status = matrix_->solver.solve(kkt, matrix_->a, matrix_->y).status; !status.ok()) return status;
+  force = s.inertia.cwiseProduct(matrix_->a);
+  return {};
+}
+
+// q onto phi = 0 by Newton, then v onto J v + phi_t = 0, both by the least change in the metric of M
+Status Rk4::project(State& at) {
+  constexpr int kMostCorrections = 20;
+  constexpr double kRounding = 4.0 * 2.2e-16;
+  const System& s = *system_;
+  Kkt& kkt = matrix_->kkt;
+  double before = HUGE_VAL;
+  for (int i = 0; i < kMostCorrections; ++i) {
+    if (Status status = kkt.evaluate(at.q, false); !status.ok()) return status;
+    if (Status status = matrix_->solver.factor(kkt); !status.ok()) return status;
+    const double open = kkt.kept_gap();
+    if (i == 0) counts_.position_drift = std::max(counts_.position_drift, open);
+    if (open <= kRounding * kkt.scale() || !(open < before)) break;
+    before = open;
+    kkt.p.setZero();
+    kkt.r = kkt.phi;
+    if (Status status = matrix_->solver.solve(kkt, matrix_->a, matrix_->y).status; !status.ok())
+      return status;
+    advance(s, 1.0, matrix_->a, at.q, at.q);
+    if (s.driven()) place_driven_nodes(s, at.t, at.q);
+  }
+  kkt.p = s.inertia.cwiseProduct(at.v);
+  for (int i : s.masked) kkt.p[i] = 0.0;
+  kkt.r.setZero();
+  if (s.driven()) {
+    matrix_->driven.setZero(at.v.size());
+    set_driven_velocities(s, at.t, matrix_->driven);
+    kkt.multiply_jacobian(matrix_->driven, kkt.r);
+  }
+  kkt.multiply_jacobian(at.v, matrix_->y);
+  for (int k = 0; k < s.rows; ++k)
+    if (kkt.gamma[k] == 0.0)
+      counts_.velocity_drift = std::max(counts_.velocity_drift, std::abs(matrix_->y[k]));
+  if (Status status = matrix_->solver.solve(kkt, at.v, matrix_->y).status; !status.ok()) return status;
+  if (s.driven()) set_driven_velocities(s, at.t, at.v);
+  return {};
 }
 
 Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger) {
@@ -34,6 +104,8 @@ Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger
     }
     if (Status status = evaluate_forces(s, stage_, force_[i]); !status.ok()) return status;
     add_gyroscopic_torques(s, stage_.v, force_[i]);
+    if (matrix_)
+      if (Status status = hold_rows(stage_, force_[i]); !status.ok()) return status;
     position_rate(s, stage_.q, stage_.v, rate_[i]);
     if (ledger) stages[i] = stage_;
   }
@@ -47,8 +119,12 @@ Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger
   normalise_quaternions(s, stage_.q);
   stage_.t += dt;
   drive(stage_);
+  const VectorXd free = ledger ? stage_.v : VectorXd();
+  if (matrix_)
+    if (Status status = project(stage_); !status.ok()) return status;
+  if (ledger) ledger->numerical = kinetic_energy_change(s, free, stage_.v);  // of the projection
   if (ledger)
-    for (int i = 0; i < 4; ++i) record.kick(kWeight[i] * dt, stages[i], force_[i], state.v, stage_.v);
+    for (int i = 0; i < 4; ++i) record.kick(kWeight[i] * dt, stages[i], force_[i], state.v, free);
   std::swap(state, stage_);
   history.force.resize(0);
   record.close(state);

@@ -236,6 +236,48 @@ TEST(Bodies, StepDoublingControlsTheTurnOfAFreeTop) {
   EXPECT_GT(rough, 10.0 * fine);
 }
 
+TEST(Rk4OnJoints, HasOrderFourAndStaysClosedAtBothLevels) {
+  const auto [s, start] = jointed_bricks(3);
+  constexpr double kEnd = 0.5;
+  const State exact = run("rk4", s, start, 2.5e-4, kEnd);
+  auto error = [&](const State& state) {
+    return (state.q.head(3 * s.places()) - exact.q.head(3 * s.places())).norm();
+  };
+  const State coarse = run("rk4", s, start, 5e-3, kEnd), fine = run("rk4", s, start, 2.5e-3, kEnd);
+  EXPECT_NEAR(std::log2(error(coarse) / error(fine)), 4.0, 0.15) << error(coarse) << " " << error(fine);
+  EXPECT_LT(largest_gap(s, coarse), 1e-14);
+  Kkt kkt;
+  kkt.prepare(s);
+  VectorXd Jv;
+  ASSERT_TRUE(kkt.evaluate(coarse.q).ok());
+  kkt.multiply_jacobian(coarse.v, Jv);
+  EXPECT_LT(Jv.cwiseAbs().maxCoeff(), 1e-13);
+  // RATTLE comes to the same motion
+  EXPECT_LT(error(run("leapfrog", s, start, 2.5e-4, kEnd)), 1e-5);
+}
+
+TEST(Rk4OnJoints, ReportsTheDriftItProjectsAway) {
+  const auto [s, start] = jointed_bricks(3);
+  auto drift = [&](double dt) {
+    Integrator rk4 = make_integrator("rk4", s);
+    State state = start;
+    History history;
+    EXPECT_TRUE(simulate(s, rk4, state, history, {.dt = dt, .end_time = 0.5}).status.ok());
+    return counts(rk4);
+  };
+  const StepCounts coarse = drift(1e-2), fine = drift(5e-3);
+  EXPECT_NEAR(std::log2(coarse.position_drift / fine.position_drift), 5.0, 0.7);  // a local error
+  EXPECT_NEAR(std::log2(coarse.velocity_drift / fine.velocity_drift), 5.0, 0.7);
+}
+
+TEST(Rk4OnJoints, LedgerCloses) {
+  const auto [s, start] = jointed_bricks(3);
+  std::vector<EnergyLedger> ledgers;
+  (void)run("rk4", s, start, 5e-3, 0.2, &ledgers);
+  for (const EnergyLedger& ledger : ledgers)
+    EXPECT_LT(std::abs(ledger.imbalance()), 1e-12 * ledger.magnitude());
+}
+
 TEST(Rattle, ClosesHardJointsInPositionAndVelocity) {
   const auto [s, start] = jointed_bricks(5);
   Integrator rattle = make_integrator("leapfrog", s);

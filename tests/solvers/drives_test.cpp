@@ -113,19 +113,21 @@ SystemBuilder::Built motor(const Target& target) {
 TEST(Motor, HoldsItsAngleOverManyTurns) {
   const auto [s, start] = motor(steady_target(0.0, 20.0));
   const TurnRow& row = std::get<std::vector<TurnRow>>(s.stencil_rows)[0];
-  for (const char* name : {"leapfrog", "implicit_euler_newton"}) {
+  for (const char* name : {"leapfrog", "rk4", "implicit_euler_newton"}) {
     const State end = run(name, s, start, 0.01, 2.0);
     EXPECT_NEAR(row.angle(end.q.data()), 40.0, 1e-10) << name;
     EXPECT_NEAR(angular_velocity(s.bodies[0], end)[2], 20.0, 1e-8) << name;
   }
 }
 
-TEST(Motor, RattleFollowsTheRateOfAShakenTarget) {
+TEST(Motor, IsFollowedInRateAndAngleByMethodsOfHighOrder) {
   const auto [s, start] = motor(shaken());
-  const State end = run("leapfrog", s, start, 0.001, 1.0);
-  EXPECT_NEAR(angular_velocity(s.bodies[0], end)[2], shaken().rate(1.0), 1e-10);
-  const TurnRow& row = std::get<std::vector<TurnRow>>(s.stencil_rows)[0];
-  EXPECT_NEAR(row.angle(end.q.data()), shaken().value(1.0), 1e-11);
+  for (const char* name : {"leapfrog", "rk4"}) {
+    const State end = run(name, s, start, 0.001, 1.0);
+    EXPECT_NEAR(angular_velocity(s.bodies[0], end)[2], shaken().rate(1.0), 1e-10) << name;
+    const TurnRow& row = std::get<std::vector<TurnRow>>(s.stencil_rows)[0];
+    EXPECT_NEAR(row.angle(end.q.data()), shaken().value(1.0), 1e-11) << name;
+  }
 }
 
 TEST(Damper, AloneSlowsAParticleExponentially) {

@@ -143,7 +143,7 @@ TEST(Campaign, ContradictingMechanismsAreRefusedNamingAMember) {
 TEST(Redundant, MechanismsRunUnderEveryIntegratorThatTakesHardRows) {
   for (int kind = 0; kind < test::kRedundancies; ++kind) {
     const auto [s, start] = redundant_mechanism(7 + kind, static_cast<Redundancy>(kind));
-    for (const char* name : {"implicit_euler_notes", "implicit_euler_newton", "leapfrog"}) {
+    for (const char* name : {"implicit_euler_notes", "implicit_euler_newton", "leapfrog", "rk4"}) {
       Integrator integrator = make_integrator(name, s);
       State state = start;
       History history;
