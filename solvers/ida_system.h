@@ -7,24 +7,30 @@
 
 namespace feder {
 
-/// How the finite rows enter: ODE form (lambda eliminated) or compliance form (lambda unknown, index 1).
-enum class IdaForm { kAutomatic, kOde, kCompliance };
+/// How the rows enter: finite ones in ODE form (lambda eliminated) or in compliance form (lambda unknown,
+/// index 1); hard ones in the form of Gear, Gupta and Leimkuhler (index 2: phi = 0 and J v + phi_t = 0, the
+/// latter with multipliers mu in q'), finite ones beside them eliminated.
+enum class IdaForm { kAutomatic, kOde, kCompliance, kGgl };
 
 /// The equations of motion as F(t, y, y') = 0 with analytic sparse Jacobian; no SUNDIALS type, so that tests
 /// can look at it.
 ///
-///   y = (q, v) or (q, v, lambda) over free coordinates and active finite rows
-///   0 = q' - v
-///   0 = M v' + B v - f_ext - J^T lambda       lambda = -d (phi + tau J v) in ODE form
-///   0 = phi + tau J v + lambda / d            compliance form only
+///   y = (q, v), (q, v, lambda) or (q, v, lambda, mu); q: free coordinates of places, 4 numbers per body
+///   0 = q' - G (v + M^-1 J^T mu)              mu of hard rows, ggl only; G = 1/2 quaternion for spins
+///   0 = M v' + w x I w + B v - f_ext - J^T lambda      lambda = -d phi - b J v if eliminated
+///   0 = phi + (b J v + lambda) / d            compliance form only, finite rows
+///   0 = phi,  0 = J v + phi_t                 ggl only, hard rows
 class IdaSystem {
  public:
-  /// `form` must be kOde or kCompliance and the system without hard rows.
+  /// `form` must be kGgl for a system with hard rows, kOde or kCompliance for one without.
   IdaSystem(const System& system, const State& state, IdaForm form);
 
-  int coordinates() const { return static_cast<int>(coordinates_.size()); }  ///< n
-  int multipliers() const { return form_ == IdaForm::kOde ? 0 : static_cast<int>(rows_.size()); }
-  int unknowns() const { return 2 * coordinates() + multipliers(); }
+  int coordinates() const { return static_cast<int>(coordinates_.size()); }  ///< n, of v
+  int positions() const { return positions_; }                               ///< of q
+  int multipliers() const { return multipliers_; }                           ///< of lambda
+  int unknowns() const {
+    return positions_ + coordinates() + multipliers_ * (form_ == IdaForm::kGgl ? 2 : 1);
+  }
 
   /// y and y' that satisfy F = 0 at the state; y' of the multipliers, which does not occur in F, is 0.
   Status initial(const State& state, double* y, double* y_prime);
@@ -50,9 +56,18 @@ class IdaSystem {
     const double* J = nullptr;          ///< rows x columns
     const double* rate_by_q = nullptr;  ///< d(J v)/dq, rows x columns, null without damping
     const double* K = nullptr;          ///< columns x columns, its part of Kg
+    std::vector<int> coordinate;        ///< 3 node + axis
   };
 
   Status evaluate(double t, const double* y);
+  Status initial_multipliers(const State& state, double* y, VectorXd& acceleration);
+  bool hard(int row) const { return form_ == IdaForm::kGgl && multiplier_[row] >= 0; }
+  template <class Sink>
+  void add_by_position(int row, int coordinate, double value, Sink&& add) const;
+  template <class Sink>
+  void assemble_kinematics(double cj, Sink&& add) const;
+  template <class Sink>
+  void assemble_turning(Sink&& add) const;
   void evaluate_rate_derivatives();
   template <class Visit>
   void for_each_element(Visit&& visit) const;
@@ -66,12 +81,15 @@ class IdaSystem {
   IdaForm form_;
   std::vector<int> coordinates_;  ///< free coordinates, in order
   std::vector<int> unknown_;      ///< per coordinate: its place among them, -1 where masked
-  std::vector<int> rows_;         ///< active rows, in order
-  std::vector<int> multiplier_;   ///< per row: its unknown, -1 in ODE form or where inactive
+  std::vector<int> position_;  ///< per coordinate of a place: its unknown; of a spin: the body's first of 4
+  std::vector<int> turning_;   ///< bodies with a free spin
+  int positions_ = 0, multipliers_ = 0;
+  std::vector<int> rows_;        ///< active rows, in order
+  std::vector<int> multiplier_;  ///< per row: its unknown, -1 in ODE form or where inactive
 
   State state_;
   Kkt kkt_;
-  VectorXd lambda_, rate_, force_;
+  VectorXd lambda_, mu_, rate_, force_, row_force_, slide_;  ///< slide_: M^-1 J^T mu
   VectorXd rate_by_q_;  ///< d(J v)/dq of the stencil rows, laid out as Stencil::jacobian
 
   std::vector<std::int64_t> starts_, indices_;

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "FEDERREF";
 // To be raised whenever the judge or this layout changes: old files then miss.
-constexpr std::uint32_t kCacheVersion = 1;
+constexpr std::uint32_t kCacheVersion = 2;
 constexpr double kLoosening = 100.0;
 
 std::string number(double x) {
@@ -177,7 +177,9 @@ Reference ida_reference(const System& s, const State& initial, double end_time, 
   Reference r{coarse.status, coarse.state, 0.0, "ida", false};
   if (!r.status.ok()) return r;
   IdaOptions tight = o.judge;
-  tight.form = coarse.form == "ode" ? IdaForm::kOde : IdaForm::kCompliance;
+  tight.form = coarse.form == "ode"   ? IdaForm::kOde
+               : coarse.form == "ggl" ? IdaForm::kGgl
+                                      : IdaForm::kCompliance;
   const IdaResult fine = ida_solve(s, initial, end_time, tight);
   r.status = fine.status;
   r.state = fine.state;
@@ -218,7 +220,7 @@ Reference explicit_reference(const System& s, const State& initial, double end_t
 Reference halving_reference(const System& s, const State& initial, double end_time,
                             const ReferenceOptions& o) {
   constexpr std::int64_t kFirst = 64, kMost = std::int64_t{1} << 24;
-  const char* name = s.has_hard_rows ? "leapfrog" : "rk4";
+  const char* name = "rk4";
   const double span = end_time - initial.t;
   const double size = std::max(1e-300, initial.q.head(3 * s.places()).lpNorm<Eigen::Infinity>());
   Reference r{Status::failure(StatusCode::kNotConverged, "no two step sizes within the budget"), initial, 0.0,
@@ -265,14 +267,18 @@ Reference make_reference(const System& s, const State& initial, double end_time,
   const std::uint64_t hash = file ? reference_hash(s, initial, end_time, o) : 0;
   if (file)
     if (std::optional<Reference> known = load(*file, hash, 3 * s.nodes)) return std::move(*known);
+  const bool small = 2 * s.free_count <= o.most_ida_unknowns || !(end_time > initial.t);
   if (s.has_hard_rows || !s.bodies.empty()) {
-    Reference r;
-    r.state = initial;
-    if (end_time > initial.t) r = halving_reference(s, initial, end_time, o);
+    Reference r{Status::failure(StatusCode::kRefused, "too large for IDA"), initial, 0.0, "", false};
+    if (small) r = ida_reference(s, initial, end_time, o);
+    if (!r.status.ok()) {
+      const std::string why = r.status.reason;
+      r = halving_reference(s, initial, end_time, o);
+      r.method += " (" + why + ")";
+    }
     if (file && r.status.ok()) store(*file, encode(r, hash));
     return r;
   }
-  const bool small = 2 * s.free_count <= o.most_ida_unknowns || !(end_time > initial.t);
   Reference r = small ? ida_reference(s, initial, end_time, o) : explicit_reference(s, initial, end_time, o);
   if (small && r.status.code == StatusCode::kLimitReached) {
     const std::string why = r.status.reason;

@@ -175,9 +175,9 @@ TEST(IdaReference, SceneWithNothingToMoveEndsAtOnce) {
   EXPECT_EQ(result.state.q, state.q);
 }
 
-TEST(IdaReference, RefusesHardRowsByName) {
+TEST(IdaReference, RefusesHardRowsByNameInAFormThatIsNotForThem) {
   const auto [system, state] = pendulum(kInfinity);
-  const IdaResult result = ida_solve(system, state, 1.0, {});
+  const IdaResult result = ida_solve(system, state, 1.0, {.form = IdaForm::kOde});
   EXPECT_EQ(result.status.code, StatusCode::kRefused);
   EXPECT_NE(result.status.reason.find("distance row 0 (nodes 0, 1)"), std::string::npos)
       << result.status.reason;
