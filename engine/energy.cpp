@@ -25,7 +25,9 @@ double row_energy(const System& s, const State& state) {
 }
 
 double external_energy(const System& s, const State& state) {
-  const double potential = s.forces.user.potential ? s.forces.user.potential(state.t, state.q) : 0.0;
+  double potential = s.forces.user.potential ? s.forces.user.potential(state.t, state.q) : 0.0;
+  for (const LawSpring& spring : s.law_springs)
+    if (spring.energy) potential += spring.energy(spring.length(state.q.data()));
   return potential - s.forces.constant.head(3 * s.places()).dot(state.q.head(3 * s.places()));
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace feder {
 namespace {
@@ -108,8 +109,11 @@ void evaluate_phi(const System& s, const VectorXd& q, VectorXd& phi) {
 void evaluate_external_forces(const System& s, const State& state, VectorXd& f) {
   f = s.forces.constant;
   if (s.forces.has_torques) add_torques(s, state.q, f);
-  if (!s.forces.user) return;
-  s.forces.user.force(state.t, state.q, state.v, f);
+  for (const LawSpring& spring : s.law_springs)
+    if (!spring.add_force(state.q.data(), state.v.data(), f.data()))
+      f[3 * spring.nodes[0]] = std::numeric_limits<double>::quiet_NaN();
+  if (s.forces.user) s.forces.user.force(state.t, state.q, state.v, f);
+  if (!s.forces.user && s.law_springs.empty()) return;
   for (int i : s.masked) f[i] = 0.0;
 }
 
@@ -293,7 +297,7 @@ void clamp_negative_part(Eigen::Map<Matrix> m, double kept) {
 }  // namespace
 
 void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state,
-                                  const VectorXd& lambda, double kept) {
+                                  const VectorXd& lambda, double kept, double rho) {
   const System& s = *system;
   geometric = kind != GeometricStiffness::kOff;
   if (!geometric) return;
@@ -315,6 +319,14 @@ void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const S
     out *= s.active(stencil.first_row) ? -sigma : 0.0;
     if (clamp) clamp_negative_part<Square>(out, kept);
   });
+
+  std::size_t law = s.stencils.size() - s.forces.user.stencils.size() - s.law_springs.size();
+  for (const LawSpring& spring : s.law_springs) {
+    const int size = 3 * spring.count();
+    Eigen::Map<Eigen::MatrixXd> out(geometric_stencil.data() + s.stencils[law++].matrix, size, size);
+    spring.stiffness(state.q.data(), state.v.data(), sigma, rho, out);
+    if (clamp) clamp_negative_part<Eigen::MatrixXd>(out, kept);
+  }
 
   if (!s.forces.user.stiffness) return;
   const std::size_t first = s.stencils.size() - s.forces.user.stencils.size();

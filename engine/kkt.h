@@ -70,9 +70,9 @@ struct Kkt {
   double scale() const { return scale_; }  ///< largest coordinate at the last evaluate, with hard rows [m]
   /// Fills sigma Kg at q for multipliers lambda (per row; the user force adds its stiffness). Call after
   /// evaluate. `kept`: fraction of the negative part of each row's block that stays in kClamped, 0 to 1; 1 is
-  /// kFull.
+  /// kFull. Law springs add sigma K + rho C; rho = 0 where their damping stays explicit.
   void set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state,
-                               const VectorXd& lambda, double kept = 0.0);
+                               const VectorXd& lambda, double kept = 0.0, double rho = 0.0);
 
   /// out = J v.
   void multiply_jacobian(const VectorXd& v, VectorXd& out) const;
@@ -113,7 +113,8 @@ void evaluate_phi(const System& system, const VectorXd& q, VectorXd& phi);
 Status evaluate_forces(const System& system, const State& state, VectorXd& f);
 /// The same without drag and row damping: for methods that treat those implicitly.
 Status evaluate_undamped_forces(const System& system, const State& state, VectorXd& f);
-/// Constant and user forces only; 0 where masked.
+/// Constant forces, torques, law springs and user force; 0 where masked, not finite where a law spring has no
+/// length.
 void evaluate_external_forces(const System& system, const State& state, VectorXd& f);
 
 }  // namespace feder

@@ -190,6 +190,15 @@ int SystemBuilder::add_distance(Anchor a, Anchor b, const Material& material, do
   return id;
 }
 
+void SystemBuilder::add_law_spring(const LawSpring& spring) {
+  const std::string where = "law spring " + std::to_string(law_springs_.size());
+  const int a = require_anchor(spring.a, where), b = require_anchor(spring.b, where);
+  if (a == b && (spring.a.body >= 0) == (spring.b.body >= 0))
+    fail_input(where, spring.a.body >= 0 ? "body" : "node", a, "", "two different ones");
+  spring.check(where);
+  law_springs_.push_back(spring);
+}
+
 void SystemBuilder::add_constant_force(Anchor at, const Vector3d& force) {
   const int node = require_node(at, "constant force");
   for (int c = 0; c < 3; ++c) require_finite("constant force on " + place(node), "force", force[c], "N");
@@ -220,6 +229,7 @@ void lay_out_stencils(System& s) {
   for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
     for (const auto& row : list) append(row.nodes.data(), row.count(), row.kRows);
   });
+  for (const LawSpring& spring : s.law_springs) append(spring.nodes.data(), spring.count(), 0);
   for (const std::vector<int>& stencil : s.forces.user.stencils)
     append(stencil.data(), static_cast<int>(stencil.size()), 0);
 }
@@ -346,6 +356,8 @@ SystemBuilder::Built SystemBuilder::build() const {
     for (auto& row : list)
       if constexpr (requires { row.resolve(s.bodies); }) row.resolve(s.bodies);
   });
+  s.law_springs = law_springs_;
+  for (LawSpring& spring : s.law_springs) spring.resolve(s.bodies);
   lay_out_stencils(s);
   collect_row_materials(s);
   s.drives = drives_;

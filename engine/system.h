@@ -15,6 +15,7 @@
 #include "engine/distance.h"
 #include "engine/drive.h"
 #include "engine/forces.h"
+#include "engine/law_spring.h"
 #include "engine/mass_properties.h"
 #include "engine/state.h"
 
@@ -29,7 +30,7 @@ using StencilRows =
     RowLists<CurvatureRow, AngleRow, BallRow, AnchorDistanceRow, PerpendicularRow, AlongRow, TurnRow>;
 
 /// A dense block of the step matrix over a few nodes: the rows of one stencil row element, or (rows = 0) the
-/// stiffness of a user force.
+/// stiffness of a law spring or user force.
 struct Stencil {
   int first_row = 0;   ///< in row order
   int rows = 0;        ///< scalar rows
@@ -74,6 +75,8 @@ struct System {
   std::vector<int> inactive_distance;  ///< distance slots with d = 0: no pull, no pattern
 
   Forces forces;
+  std::vector<LawSpring> law_springs;
+  bool forces_look_at_state() const { return forces.user || forces.has_torques || !law_springs.empty(); }
 
   bool active(int row) const { return stiffness[row] > 0.0 || damping[row] > 0.0; }
   bool driven() const { return !drives.empty() || !std::get<std::vector<TurnRow>>(stencil_rows).empty(); }
@@ -141,6 +144,8 @@ class SystemBuilder {
   void add_constant_force(Anchor at, const Vector3d& force);
   /// On a body, in world axes [N m].
   void add_constant_torque(Anchor at, const Vector3d& torque);
+  /// Stiffness and damping of `spring` as a row are not used.
+  void add_law_spring(const LawSpring& spring);
   void set_user_force(UserForce force) { user_ = std::move(force); }
 
   struct Built;
@@ -177,6 +182,7 @@ class SystemBuilder {
   StencilRows stencil_rows_;
   std::vector<RowId> ids_;
   std::vector<std::pair<int, Vector3d>> constant_;
+  std::vector<LawSpring> law_springs_;
   Vector3d gravity_ = Vector3d::Zero();
   double drag_ = 0.0;
   UserForce user_;

@@ -23,7 +23,7 @@ void LinearImplicitEuler<kKind>::reset_times() {
 template <GeometricStiffness kKind>
 Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, const History& history) {
   const System& s = *system_;
-  const bool stated = s.forces.user || s.forces.has_torques;
+  const bool stated = s.forces_look_at_state();
   if (stated) {  // forces that look at the state: at t_next, q_n, v_n
     at_ = state;
     at_.t += dt;

@@ -124,13 +124,18 @@ Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
   kkt_.r = at.g;
   for (;;) {
     const GeometricStiffness kind = kept_ == 1.0 ? GeometricStiffness::kFull : GeometricStiffness::kClamped;
-    kkt_.set_geometric_stiffness(kind, dt * dt, at.state, lambda_, kept_);
+    kkt_.set_geometric_stiffness(kind, dt * dt, at.state, lambda_, kept_, dt);
     const Status status = factor_and_solve(at.relative);
     if (status.ok()) kept_ = std::min(1.0, kKeptGrows * std::max(kept_, kLeastKept));
     if (status.code != StatusCode::kSingular || kept_ == 0.0) return status;
     ++counts_.indefinite_matrices;
     kept_ = kept_ > kLeastKept ? kKeptShrinks * kept_ : 0.0;
   }
+}
+
+// Forces without an energy have their slope at the iterate only: no reason to go far along it.
+bool ImplicitEulerNewton::frozen() const {
+  return !system_->law_springs.empty() || (system_->forces.user && !system_->forces.user.potential);
 }
 
 double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitude) const {
@@ -146,11 +151,11 @@ double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitud
     else if (kkt_.inverse_gamma[k] > 0.0)
       rows += kkt_.inverse_gamma[k] / (dt * dt) * (0.5 * phi * phi - remembered_[k] * phi);
   }
-  // a user force without a potential is frozen at the current iterate: the slope there is still right
-  const double external =
-      s.forces.user && s.forces.user.potential
-          ? s.forces.user.potential(at.state.t, at.state.q) - dt * s.forces.constant.dot(at.state.v)
-          : -dt * frozen_force_.dot(at.state.v);
+  // law springs and a user force without a potential are frozen at the current iterate: the slope there is
+  // still right
+  const double external = s.forces.user && !frozen() ? s.forces.user.potential(at.state.t, at.state.q) -
+                                                           dt * s.forces.constant.dot(at.state.v)
+                                                     : -dt * frozen_force_.dot(at.state.v);
   magnitude = inertia + drag + std::abs(rows) + penalty + std::abs(external);
   return inertia + drag + rows + penalty + external;
 }
@@ -204,7 +209,7 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
           kRoundings * at.state.q.lpNorm<Eigen::Infinity>() * (at.y.lpNorm<1>() + trial_.y.lpNorm<1>()) / dt;
       if (after <= before + kArmijo * step * slope + noise) {
         std::swap(at, trial_);
-        return cut == 0 ? lengthen(dt, start, before, slope, at) : Status{};
+        return cut == 0 && !frozen() ? lengthen(dt, start, before, slope, at) : Status{};
       }
     }
     ++counts_.line_search_cuts;

@@ -39,6 +39,7 @@ class ImplicitEulerNewton {
   Status solve_direction(double dt, const Iterate& at);
   Status factor_and_solve(double relative);
   Status ended(const Status& failure) const;
+  bool frozen() const;
   double merit(double dt, const Iterate& at, double& magnitude) const;
   Status line_search(double dt, const State& start, Iterate& at);
   Status lengthen(double dt, const State& start, double before, double slope, Iterate& at);

@@ -191,7 +191,7 @@ Reference ida_reference(const System& s, const State& initial, double end_time, 
 
 Reference explicit_reference(const System& s, const State& initial, double end_time,
                              const ReferenceOptions& o) {
-  const bool symplectic = !s.has_damping && !s.forces.has_drag && !s.forces.user;
+  const bool symplectic = !s.has_damping && !s.forces.has_drag && !s.forces.user && s.law_springs.empty();
   const char* name = symplectic ? "leapfrog" : "rk4";
   Reference r{{}, initial, 0.0, name, false};
   const double rate = largest_rate(s, initial);
@@ -255,7 +255,9 @@ std::optional<fs::path> reference_cache_file(const System& s, const State& initi
   FEDER_CHECK(initial.q.size() == s.position_size() && initial.v.size() == 3 * s.nodes,
               "the state does not fit the system");
   const fs::path folder = o.cache_folder.empty() ? default_cache_folder() : o.cache_folder;
-  if (!o.use_cache || s.forces.user || s.driven() || !s.bodies.empty() || folder.empty()) return std::nullopt;
+  if (!o.use_cache || s.forces.user || s.driven() || !s.law_springs.empty() || !s.bodies.empty() ||
+      folder.empty())
+    return std::nullopt;
   char name[32];
   (void)std::snprintf(name, sizeof name, "%016llx.reference",
                       static_cast<unsigned long long>(reference_hash(s, initial, end_time, o)));

@@ -79,7 +79,7 @@ Linearization::Linearization(const System& s, const State& state) : system_(s) {
   scale_.resize(size());
   for (int i = 0; i < size(); ++i) scale_[i] = std::sqrt(s.inverse_mass[coordinates_[i]]);
 
-  stressed_ = static_cast<bool>(s.forces.user.stiffness);
+  stressed_ = s.forces.user.stiffness || !s.law_springs.empty();
   for (int k = 0; k < s.rows; ++k) {
     const double length = k < s.distance.size() ? kkt_.length[k] : 1.0;
     if (s.active(k) && std::abs(kkt_.phi[k]) > 1e-13 * length) stressed_ = true;
