@@ -9,7 +9,7 @@ namespace feder {
 namespace {
 
 using F = FourBar;
-constexpr double kEndTime = 1.5;  // [s]
+constexpr double kEndTime = 1.2;  // [s]
 
 const Fields<F>& fields() {
   static const Fields<F> list = {
