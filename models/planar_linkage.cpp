@@ -58,8 +58,8 @@ FourBarMotion four_bar_motion(const std::string& where, const FourBarLengths& l,
                height = height2 > rounding ? std::sqrt(height2) : 0.0;
   if (!(height2 >= -rounding))
     fail_input(where, "distance from the crank's end to the rocker's pivot", h, "m",
-               to_text(std::abs(l.coupler - l.rocker)) + " to " + to_text(l.coupler + l.rocker) +
-                   ", where coupler and rocker meet");
+               "more than 0 and within " + to_text(std::abs(l.coupler - l.rocker)) + " to " +
+                   to_text(l.coupler + l.rocker) + ", where coupler and rocker meet");
   const Vector2d left(-diagonal.y(), diagonal.x());
   const Vector2d C = m.B.place + (reach * diagonal + (crossed ? -1.0 : 1.0) * height * left) / h;
   m.coupler.angle = angle_of(C - m.B.place);

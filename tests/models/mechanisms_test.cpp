@@ -121,6 +121,7 @@ std::string message_of(const std::string& spec) {
 TEST(Mechanisms, RefuseWhatCannotBeAssembled) {
   EXPECT_NE(message_of("four_bar:rocker=0.1,angle=2").find("where coupler and rocker meet"),
             std::string::npos);
+  EXPECT_NE(message_of("four_bar:crank=1,coupler=1,rocker=1,angle=0").find("more than 0"), std::string::npos);
   EXPECT_NE(message_of("four_bar:crank=0.4,coupler=1,rocker=0.4,angle=0").find("not in line"),
             std::string::npos);
   EXPECT_NE(message_of("slider_crank:crank=0.6").find("less than the rod = 0.5"), std::string::npos);
