@@ -8,14 +8,20 @@
 #include "models/chain.h"
 #include "models/cloth.h"
 #include "models/damped_oscillator.h"
+#include "models/double_pendulum.h"
+#include "models/flexible_linkage.h"
+#include "models/four_bar.h"
 #include "models/hanging_chain.h"
+#include "models/heavy_top.h"
 #include "models/lattice.h"
+#include "models/n_pendulum.h"
 #include "models/oscillator.h"
 #include "models/parameters.h"
 #include "models/pendulum.h"
 #include "models/plate_bridge.h"
 #include "models/plate_net.h"
 #include "models/rigid_chain.h"
+#include "models/slider_crank.h"
 #include "models/spring_pendulum.h"
 #include "models/taut_string.h"
 
@@ -27,7 +33,8 @@ const std::vector<ModelInfo>& catalog() {
       oscillator_model(),   damped_oscillator_model(), pendulum_model(),       spring_pendulum_model(),
       chain_model(),        hanging_chain_model(),     taut_string_model(),    bending_rod_model(),
       cloth_model(),        lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
-      plate_bridge_model(), plate_net_model(),
+      plate_bridge_model(), plate_net_model(),         heavy_top_model(),      double_pendulum_model(),
+      n_pendulum_model(),   four_bar_model(),          slider_crank_model(),   flexible_linkage_model(),
   };
   return list;
 }
