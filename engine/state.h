@@ -37,6 +37,7 @@ struct History {
   VectorXd lambda;            ///< multipliers of the last step [row force], empty before the first
   VectorXd force;             ///< total force at (q, v, t) [N], 3 per node, empty if not known
   double suggested_dt = 0.0;  ///< next step proposed by step-size control [s], 0 if none
+  double last_dt = 0.0;       ///< of the last step, for methods that ask [s], 0 before the first
 };
 
 }  // namespace feder
