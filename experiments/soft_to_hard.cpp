@@ -22,12 +22,13 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDecades = 1e4;         // length of the fit
-constexpr double kLinear = 0.01;         // distance from the line that still counts as on it
-constexpr double kRounding = 1e-13;      // of the scene's length: below, distances to rigid are rounding
-constexpr double kLimitBound = 1e-8;     // of the scene's length: c = 0 against the extrapolated limit
-constexpr double kSlopeBound = 0.05;     // distance from -1 that is called agreement
-constexpr double kRigidDecades = 100.0;  // where the charts draw c = 0, right of the stiffest spring
+constexpr double kDecades = 1e4;      // length of the fit
+constexpr double kLinear = 0.01;      // distance from the line that still counts as on it
+constexpr double kRounding = 1e-13;   // of the scene's length: below, distances to rigid are rounding
+constexpr double kLimitBound = 1e-8;  // of the scene's length: c = 0 against the extrapolated limit
+constexpr double kSlopeBound = 0.05;  // distance from -1 that is called agreement
+constexpr double kLeastDrawn = 1e-14, kMostDrawn = 10.0;  // distances in the charts [m]
+constexpr double kRigidShift = 100.0;  // where the charts draw c = 0, right of the stiffest spring
 
 const std::vector<std::string> kIntegrators = {"implicit_euler_notes", "implicit_euler_geometric",
                                                "implicit_euler_newton"};
@@ -104,6 +105,7 @@ void run_points(Context& context, const Scene& scene, Sweep& sweep) {
   for (std::int64_t repeat = 0; repeat < context.settings.integer("repeats"); ++repeat)
     for (std::size_t i = 0; i < sweep.points.size() && !context.interrupted(); ++i) {
       sweep.points[i].stiffness = scene.stiffness[i];
+      if (!sweep.points[i].status.ok()) continue;
       run_point(scene, scene.models[i], sweep.integrator, sweep.route, sweep.points[i]);
     }
 }
@@ -160,7 +162,9 @@ void look_for_jumps(const Scene& scene, Sweep& sweep) {
   for (std::size_t i = 1; i < sweep.points.size(); ++i) {
     const Point &a = sweep.points[i - 1], &b = sweep.points[i];
     grow(sweep.cost_jump, a.cost(), b.cost());
-    if (measured(scene, a) && measured(scene, b)) grow(sweep.distance_jump, a.on_line, b.on_line);
+    const double end = std::max(sweep.fit_to, sweep.limit_to);  // beyond, rounding decides
+    if (measured(scene, a) && measured(scene, b) && !(b.stiffness > end))
+      grow(sweep.distance_jump, a.on_line, b.on_line);
   }
 }
 
@@ -203,7 +207,7 @@ void add_rows(Context& context, const Scene& scene, const Sweep& sweep) {
 
 // Places right of the stiffest spring stand for c = 0.
 double rigid_place(const Scene& scene) {
-  return kRigidDecades * scene.stiffness[scene.stiffness.size() - 2];
+  return kRigidShift * scene.stiffness[scene.stiffness.size() - 2];
 }
 
 Series curve(const Scene& scene, const Sweep& sweep, std::size_t look, double (*value)(const Point&)) {
@@ -220,7 +224,7 @@ Series curve(const Scene& scene, const Sweep& sweep, std::size_t look, double (*
 
 Panel make_panel(const Scene& scene, const std::vector<Sweep>& sweeps, const std::string& integrator,
                  const std::string& y_label, double (*value)(const Point&)) {
-  Panel panel{.title = fmt::format("{}, {}", scene.models.back().name, integrator),
+  Panel panel{.title = fmt::format("{}, {}", scene.spec, integrator),
               .x = {.label = "stiffness d [N/m]", .log = true},
               .y = {.label = y_label, .log = true}};
   for (std::size_t look = 0; look < kRoutes.size(); ++look)
@@ -243,24 +247,39 @@ void add_slope(Panel& panel, const std::vector<Sweep>& sweeps, const std::string
 }
 
 struct Charts {
-  Chart distance{.name = "soft_to_hard_distance",
-                 .title = "From springs to joints: distance to the rigid run",
-                 .caption = "Every route falls along slope -1 until rounding; crosses are failed runs.",
-                 .grid_columns = 3};
+  Chart distance{
+      .name = "soft_to_hard_distance",
+      .title = "From springs to joints: distance to the rigid run",
+      .caption =
+          "A spring that becomes a joint falls along slope -1 until rounding; on a flat curve it does not; "
+          "crosses are failed runs.",
+      .grid_columns = 3};
   Chart seconds{.name = "soft_to_hard_seconds",
                 .title = "From springs to joints: cost of a step",
                 .caption = "Seconds per step; the mark on the right stands for rigid rows, c = 0.",
                 .grid_columns = 3};
 };
 
+// Whole decades around all costs of the scene: the same axis for its integrators.
+std::pair<double, double> cost_range(const std::vector<Sweep>& sweeps) {
+  double least = kInfinity, largest = 0.0;
+  for (const Sweep& sweep : sweeps)
+    for (const Point& p : sweep.points)
+      if (p.status.ok()) least = std::min(least, p.cost()), largest = std::max(largest, p.cost());
+  return {std::pow(10.0, std::floor(std::log10(least))), std::pow(10.0, std::ceil(std::log10(largest)))};
+}
+
 void add_panels(const Scene& scene, const std::vector<Sweep>& sweeps, Charts& charts) {
+  const auto [least_cost, largest_cost] = cost_range(sweeps);
   for (const std::string& integrator : kIntegrators) {
     Panel distance = make_panel(scene, sweeps, integrator, "distance to rigid [m]",
                                 [](const Point& p) { return p.distance; });
+    distance.y.min = kLeastDrawn, distance.y.max = kMostDrawn;
     add_slope(distance, sweeps, integrator);
     charts.distance.panels.push_back(std::move(distance));
     Panel seconds =
         make_panel(scene, sweeps, integrator, "time per step [s]", [](const Point& p) { return p.cost(); });
+    if (largest_cost > 0.0) seconds.y.min = least_cost, seconds.y.max = largest_cost;
     seconds.marks = {{rigid_place(scene), "rigid", true}};
     charts.seconds.panels.push_back(std::move(seconds));
   }
@@ -347,7 +366,7 @@ ExperimentInfo about() {
                     "of every row, N/m; infinity is added"},
                    {"dt", Kind::kNumber, "1e-2", "1e-2", "time step, s"},
                    {"end_time", Kind::kNumber, "0.25", "0.25", "length of a run, s"},
-                   {"repeats", Kind::kInteger, "5", "9", "runs timed"}},
+                   {"repeats", Kind::kInteger, "5", "9", "runs timed; failed ones are not repeated"}},
       .columns = {"scene",           "integrator",       "route",
                   "route_taken",     "stiffness",        "dt",
                   "end_time",        "status",           "reason",
