@@ -58,12 +58,14 @@ Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, cons
     kernels().product(kkt_.r.size(), kkt_.phi.data(), rate_.data(), kkt_.r.data());
   }
   if constexpr (kGeometric) {
-    // lambda at q_n: springs from phi, hard rows from the last step
-    lambda_.resize(s.rows);
-    for (int k = 0; k < s.rows; ++k)
-      lambda_[k] = std::isfinite(s.stiffness[k])             ? -s.stiffness[k] * kkt_.phi[k]
-                   : history.lambda.size() == lambda_.size() ? history.lambda[k]
-                                                             : 0.0;
+    // lambda at q_n from the last step: -d phi would carry what that step's linearisation left of phi, times
+    // d, and a stiff spring would never become a rod
+    lambda_ = history.lambda;
+    if (lambda_.size() != s.rows) {
+      lambda_.setZero(s.rows);
+      for (int k = 0; k < s.rows; ++k)
+        if (std::isfinite(s.stiffness[k])) lambda_[k] = -s.stiffness[k] * kkt_.phi[k];
+    }
     at_ = state;
     at_.t += dt;
     if (s.driven()) place_driven_nodes(s, at_.t, at_.q);
@@ -109,7 +111,7 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
       place_driven_nodes(s, state.t, state.q);
       set_driven_velocities(s, state.t, state.v);
     }
-    if (s.has_hard_rows) history.lambda = y_ / dt;
+    if (s.has_hard_rows || kGeometric) history.lambda = y_ / dt;
     history.force.resize(0);
   }
   if (ledger) ledger->row_change += row_energy(s, state);
