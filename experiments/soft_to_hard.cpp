@@ -366,7 +366,7 @@ ExperimentInfo about() {
                     "of every row, N/m; infinity is added"},
                    {"dt", Kind::kNumber, "1e-2", "1e-2", "time step, s"},
                    {"end_time", Kind::kNumber, "0.25", "0.25", "length of a run, s"},
-                   {"repeats", Kind::kInteger, "5", "9", "runs timed; failed ones are not repeated"}},
+                   {"repeats", Kind::kInteger, "15", "25", "runs timed; failed ones are not repeated"}},
       .columns = {"scene",           "integrator",       "route",
                   "route_taken",     "stiffness",        "dt",
                   "end_time",        "status",           "reason",

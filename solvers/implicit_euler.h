@@ -7,7 +7,7 @@ namespace feder {
 /// Implicit Euler with one linearisation at q_n (notes E8): the step matrix with sigma = dt^2, rho = dt, p =
 /// M v + dt f, r = phi/(dt + tau); q' = q + dt v'. Works by every route.
 ///   kOff      the notes' step: force directions stay frozen; stable only below 2/sqrt(lambda_max(Kg - Km,
-///   M)) kClamped  with the positive semidefinite part of dt^2 Kg in Mt
+///   M)) kClamped  with the positive semidefinite part of dt^2 Kg in Mt, lambda of the last step
 template <GeometricStiffness kKind>
 class LinearImplicitEuler {
  public:

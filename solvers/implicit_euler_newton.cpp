@@ -29,8 +29,8 @@ constexpr double kLongest = 1e6;
 constexpr double kLeastStabilised = 1e-10, kMostStabilised = 1e-3;
 constexpr int kMostCuts = 30;
 // With y an unknown: the fall of the residual that starts it far from the solution, rises it survives.
-constexpr double kFalls = 0.5, kRise = 10.0;
-constexpr int kMostRises = 3;
+constexpr double kFalls = 0.5, kRise = 1e3;
+constexpr int kMostRises = 4;
 // Fraction of the negative part of Kg in the matrix: less after an indefinite matrix, more after a good one.
 // On buckling cloth this needs half the factorisations of "all or nothing".
 constexpr double kKeptShrinks = 0.5, kKeptGrows = 1.25;
@@ -192,6 +192,7 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
   if (at.relative <= kNear || redundant_) {
     const bool patient = at.relative > kStalledButGood && rises_ < kMostRises && !redundant_;
     const double bound = patient ? kRise * at.relative : at.relative;
+    if (patient && rises_ == 0) v_before_own_ = at.state.v, y_before_own_ = at.y;
     if (Status status = try_full_step(dt, start, bound, at, taken); !status.ok() || taken) return status;
   }
   if (at.relative <= kNear) {
