@@ -1,6 +1,7 @@
 // Linearised implicit Euler. Ledger: M(v' - v) = dt f - dt B v' - dt^2 Kg v' + J^T y, multiplied by v'.
 #include "solvers/implicit_euler.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "solvers/stopwatch.h"
@@ -40,30 +41,39 @@ Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, cons
     for (int i : s.masked) kkt_.p[i] = 0.0;
   }
   kkt_.set_step(dt * dt, dt);
-  if (dt != dt_) {
+  const double closing = std::max(dt, history.last_dt);
+  if (dt != dt_ || (s.has_hard_rows && closing != closing_)) {
     memory_.resize(s.rows);
     for (int k = 0; k < s.rows; ++k) memory_[k] = s.memory(k, dt);
     rate_ = (1.0 - memory_.array()) / dt;
+    for (int k = 0; k < s.rows && s.has_hard_rows; ++k)
+      if (kkt_.gamma[k] == 0.0) rate_[k] *= dt / closing;
   }
-  dt_ = dt;
+  dt_ = dt, closing_ = closing;
   if (s.driven()) {  // driven nodes are where they will be: r = (phi - memory phi_n) / dt
     evaluate_phi(s, state.q, kkt_.r);
     at_.q = state.q;
     place_driven_nodes(s, state.t + dt, at_.q);
     if (Status status = kkt_.evaluate(at_.q, kGeometric); !status.ok()) return status;
-    kkt_.r = (kkt_.phi - memory_.cwiseProduct(kkt_.r)) / dt;
+    // of hard rows only phi_n is a gap to close; what their targets move is followed at once
+    for (int k = 0; k < s.rows; ++k) {
+      const double before = kkt_.r[k], moved = (kkt_.phi[k] - before) / dt;
+      kkt_.r[k] = kkt_.gamma[k] == 0.0 ? rate_[k] * before + moved : (kkt_.phi[k] - memory_[k] * before) / dt;
+    }
     for (int k : kkt_.dropped()) kkt_.r[k] = 0.0;
   } else {
     if (Status status = kkt_.evaluate(state.q, kGeometric); !status.ok()) return status;
     kernels().product(kkt_.r.size(), kkt_.phi.data(), rate_.data(), kkt_.r.data());
   }
   if constexpr (kGeometric) {
-    // lambda at q_n: springs from phi, hard rows from the last step
-    lambda_.resize(s.rows);
-    for (int k = 0; k < s.rows; ++k)
-      lambda_[k] = std::isfinite(s.stiffness[k])             ? -s.stiffness[k] * kkt_.phi[k]
-                   : history.lambda.size() == lambda_.size() ? history.lambda[k]
-                                                             : 0.0;
+    // lambda at q_n from the last step: -d phi would carry what that step's linearisation left of phi, times
+    // d, and a stiff spring would never become a rod
+    lambda_ = history.lambda;
+    if (lambda_.size() != s.rows) {
+      lambda_.setZero(s.rows);
+      for (int k = 0; k < s.rows; ++k)
+        if (std::isfinite(s.stiffness[k])) lambda_[k] = -s.stiffness[k] * kkt_.phi[k];
+    }
     at_ = state;
     at_.t += dt;
     if (s.driven()) place_driven_nodes(s, at_.t, at_.q);
@@ -109,8 +119,9 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
       place_driven_nodes(s, state.t, state.q);
       set_driven_velocities(s, state.t, state.v);
     }
-    if (s.has_hard_rows) history.lambda = y_ / dt;
+    if (s.has_hard_rows || kGeometric) history.lambda = y_ / dt;
     history.force.resize(0);
+    history.last_dt = dt;
   }
   if (ledger) ledger->row_change += row_energy(s, state);
   return {};

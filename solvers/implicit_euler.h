@@ -6,8 +6,10 @@ namespace feder {
 
 /// Implicit Euler with one linearisation at q_n (notes E8): the step matrix with sigma = dt^2, rho = dt, p =
 /// M v + dt f, r = phi/(dt + tau); q' = q + dt v'. Works by every route.
+/// A hard row closes its gap within the longer of this and the last step: a short step after a long one would
+/// turn what the long one left into a kick.
 ///   kOff      the notes' step: force directions stay frozen; stable only below 2/sqrt(lambda_max(Kg - Km,
-///   M)) kClamped  with the positive semidefinite part of dt^2 Kg in Mt
+///   M)) kClamped  with the positive semidefinite part of dt^2 Kg in Mt, lambda of the last step
 template <GeometricStiffness kKind>
 class LinearImplicitEuler {
  public:
@@ -40,8 +42,8 @@ class LinearImplicitEuler {
   RotationUpdate rotation_update_;
   VectorXd v_, y_, lambda_;
   VectorXd v_start_;        // with bodies: v_n after the gyroscopic step
-  double dt_ = 0.0;         // the step rate_ belongs to
-  VectorXd memory_, rate_;  // System::memory and (1 - memory) / dt per row
+  double dt_ = 0.0, closing_ = 0.0;  // the steps rate_ belongs to
+  VectorXd memory_, rate_;  // System::memory and (1 - memory) / dt per row, hard rows: / closing_
   SolveReport report_;
   StepCounts counts_;
   StepTimes times_;

@@ -3,10 +3,11 @@
 //   g = gamma y + (phi(q') - memory phi(q_n)) / dt = 0,  memory = b/(dt d + b), tau/(dt + tau) for hard rows
 //   Newton: [Mt, -J^T; -J, -gamma] (dv, dy) = (-G, g),  Mt = M + dt B + dt^2 Kg(y/dt).  Phi's gradient is G.
 // Far away soft rows take y from g = 0. Near the solution y is an unknown like v: taken from phi it would
-// carry the rounding of q times the stiffness into the balance. Bodies: v_n is taken after the implicit
-// gyroscopic step, q' = q_n exp(dt v'), J by v' (J_r of the turn), so that G is a gradient there, too; J_r w
-// = w, so no work is changed. Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v'; what is
-// left of G shows as imbalance.
+// carry the rounding of q times the stiffness into the balance. So it is where a full step is cut: the
+// valley of a stiff row bends, and cuts that stay in it number sqrt(d). Bodies: v_n is taken after the
+// implicit gyroscopic step, q' = q_n exp(dt v'), J by v' (J_r of the turn), so that G is a gradient there,
+// too; J_r w = w, so no work is changed. Ledger: M (v' - v_n) = dt f - dt B v' + J(q')^T y, multiplied by v';
+// what is left of G shows as imbalance.
 #include "solvers/implicit_euler_newton.h"
 
 #include <cmath>
@@ -27,6 +28,9 @@ constexpr double kLongest = 1e6;
 // gamma of redundant hard rows, as a fraction of their mobility.
 constexpr double kLeastStabilised = 1e-10, kMostStabilised = 1e-3;
 constexpr int kMostCuts = 30;
+// With y an unknown: the fall of the residual that starts it far from the solution, rises it survives.
+constexpr double kFalls = 0.5, kRise = 1e3;
+constexpr int kMostRises = 4;
 // Fraction of the negative part of Kg in the matrix: less after an indefinite matrix, more after a good one.
 // On buckling cloth this needs half the factorisations of "all or nothing".
 constexpr double kKeptShrinks = 0.5, kKeptGrows = 1.25;
@@ -160,17 +164,41 @@ double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitud
   return inertia + drag + rows + penalty + external;
 }
 
+// A full step of v and y, taken if the residual falls below the bound.
+Status ImplicitEulerNewton::try_full_step(double dt, const State& start, double bound, Iterate& at,
+                                          bool& taken) {
+  trial_.state.v = at.state.v + dv_;
+  trial_.y = at.y + dy_;
+  Status status = evaluate(dt, start, Multipliers::kOwn, trial_);
+  taken = status.ok() && trial_.relative < bound;
+  if (!taken) return status;
+  if (trial_.relative >= at.relative) ++rises_;
+  std::swap(at, trial_);
+  return status;
+}
+
+// Far from the solution with y an unknown. Where the residual does not fall, back to where that began.
+Status ImplicitEulerNewton::go_on_with_own(double dt, const State& start, Iterate& at, bool& taken) {
+  const double patience = rises_ < kMostRises ? kRise : 1.0;
+  if (try_full_step(dt, start, patience * at.relative, at, taken).ok() && taken) return {};
+  own_allowed_ = false;
+  taken = true;
+  at.state.v = v_before_own_;
+  at.y = y_before_own_;
+  return evaluate(dt, start, Multipliers::kOfPhi, at);
+}
+
 Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& at) {
+  bool taken = false;
+  if (at.relative > kNear && !redundant_ && own_allowed_ && at.multipliers == Multipliers::kOwn)
+    if (Status status = go_on_with_own(dt, start, at, taken); !status.ok() || taken) return status;
   // redundant rows: the stabilised step leaves a little of them open, which the penalty below does not
   // forgive
   if (at.relative <= kNear || redundant_) {
-    trial_.state.v = at.state.v + dv_;
-    trial_.y = at.y + dy_;
-    if (Status status = evaluate(dt, start, Multipliers::kOwn, trial_); !status.ok()) return status;
-    if (trial_.relative < at.relative) {
-      std::swap(at, trial_);
-      return {};
-    }
+    const bool patient = at.relative > kStalledButGood && rises_ < kMostRises && !redundant_;
+    const double bound = patient ? kRise * at.relative : at.relative;
+    if (patient && rises_ == 0) v_before_own_ = at.state.v, y_before_own_ = at.y;
+    if (Status status = try_full_step(dt, start, bound, at, taken); !status.ok() || taken) return status;
   }
   if (at.relative <= kNear) {
     // no better: stay, with the rows as they are there
@@ -212,6 +240,10 @@ Status ImplicitEulerNewton::line_search(double dt, const State& start, Iterate& 
         return cut == 0 && !frozen() ? lengthen(dt, start, before, slope, at) : Status{};
       }
     }
+    if (cut == 0 && own_allowed_ && !redundant_) {
+      v_before_own_ = at.state.v, y_before_own_ = at.y;
+      if (try_full_step(dt, start, kFalls * at.relative, at, taken).ok() && taken) return {};
+    }
     ++counts_.line_search_cuts;
   }
   return Status::failure(StatusCode::kNotConverged,
@@ -245,6 +277,8 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   for (int k = 0; k < s.rows; ++k) remembered_[k] *= s.memory(k, dt);
   penalty_ = 0.0;
   kept_ = 1.0;
+  own_allowed_ = true;
+  rises_ = 0;
   v_start_ = state.v;
   if (!step_gyroscopic_terms(s, dt, v_start_))
     return Status::failure(StatusCode::kNotConverged, "the implicit gyroscopic step does not converge");

@@ -41,6 +41,8 @@ class ImplicitEulerNewton {
   Status ended(const Status& failure) const;
   bool frozen() const;
   double merit(double dt, const Iterate& at, double& magnitude) const;
+  Status try_full_step(double dt, const State& start, double bound, Iterate& at, bool& taken);
+  Status go_on_with_own(double dt, const State& start, Iterate& at, bool& taken);
   Status line_search(double dt, const State& start, Iterate& at);
   Status lengthen(double dt, const State& start, double before, double slope, Iterate& at);
   void keep_books(double dt, const State& start, const Iterate& end, EnergyLedger& ledger) const;
@@ -52,7 +54,10 @@ class ImplicitEulerNewton {
   Iterate at_, trial_;
   VectorXd v_start_;  // v_n after the implicit gyroscopic step of the bodies
   VectorXd external_, remembered_, dv_, dy_, lambda_, frozen_force_;
-  double penalty_ = 0.0, kept_ = 1.0;            // kept_: fraction of the negative part of Kg
+  double penalty_ = 0.0, kept_ = 1.0;  // kept_: fraction of the negative part of Kg
+  bool own_allowed_ = true;            // far from the solution, too; see go_on_with_own
+  int rises_ = 0;
+  VectorXd v_before_own_, y_before_own_;
   bool rank_known_ = false, redundant_ = false;  // hard rows depend on each other
   StepCounts counts_;
 };

@@ -4,6 +4,7 @@
 #include "solvers/leapfrog.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "solvers/impulse_ledger.h"
 
@@ -69,8 +70,10 @@ Status Leapfrog::drift_on_rows(double dt, const VectorXd& q, VectorXd& w, State&
       return status;
     w += matrix_->dv;
   }
-  return Status::failure(StatusCode::kNotConverged,
-                         "the drift does not end on the hard rows: the step is too long");
+  char text[112];
+  std::snprintf(text, sizeof text,
+                "the drift does not end on the hard rows: %.1e stays open, the step is too long", before);
+  return Status::failure(StatusCode::kNotConverged, text);
 }
 
 // Particles and centres move straight, bodies turn freely.

@@ -193,6 +193,7 @@ SolveReport LinearSolver::solve(Kkt& kkt, VectorXd& v, VectorXd& y) {
       report = solve_once(kkt, v, y);
   }
   report.redundant_rows = static_cast<int>(kkt.dropped().size());
+  times_.worst_backward_error = std::max(times_.worst_backward_error, report.backward_error);
   return report;
 }
 

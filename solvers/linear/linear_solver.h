@@ -36,6 +36,7 @@ struct PhaseTimes {
   double solve = 0.0;     ///< forward and back substitution
   long rank_checks = 0;
   long factorizations = 0, solves = 0, refinements = 0;
+  double worst_backward_error = 0.0;  ///< of those solves
 };
 
 /// A route in use: analyze once per scene, factor per linearisation, solve per right-hand side.

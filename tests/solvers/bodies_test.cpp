@@ -236,6 +236,16 @@ TEST(Bodies, StepDoublingControlsTheTurnOfAFreeTop) {
   EXPECT_GT(rough, 10.0 * fine);
 }
 
+TEST(Bodies, AShortLastStepGivesNoKick) {
+  const auto [s, start] = jointed_bricks(2);
+  for (const char* name : {"implicit_euler_notes", "implicit_euler_geometric", "implicit_euler_newton"})
+    for (double rest : {1e-5, 1e-8}) {
+      const double whole = total_energy(s, run(name, s, start, 0.01, 0.5)),
+                   more = total_energy(s, run(name, s, start, 0.01, 0.5 + rest));
+      EXPECT_NEAR(more, whole, 0.02 * std::abs(whole)) << name << " " << rest;
+    }
+}
+
 TEST(Rk4OnJoints, HasOrderFourAndStaysClosedAtBothLevels) {
   const auto [s, start] = jointed_bricks(3);
   constexpr double kEnd = 0.5;
