@@ -41,9 +41,9 @@ class LinearImplicitEuler {
   State at_;
   RotationUpdate rotation_update_;
   VectorXd v_, y_, lambda_;
-  VectorXd v_start_;        // with bodies: v_n after the gyroscopic step
+  VectorXd v_start_;                 // with bodies: v_n after the gyroscopic step
   double dt_ = 0.0, closing_ = 0.0;  // the steps rate_ belongs to
-  VectorXd memory_, rate_;  // System::memory and (1 - memory) / dt per row, hard rows: / closing_
+  VectorXd memory_, rate_;           // System::memory and (1 - memory) / dt per row, hard rows: / closing_
   SolveReport report_;
   StepCounts counts_;
   StepTimes times_;

@@ -35,7 +35,8 @@ class SpawnSetup {
   SpawnSetup& operator=(const SpawnSetup&) = delete;
 
   int spawn(pid_t& child, char* const* arguments) {
-    // in a bare locale gnuplot complains about every character that is not ASCII; the variable is for children alone
+    // in a bare locale gnuplot complains about every character that is not ASCII; the variable is for
+    // children alone
     ::setenv("LC_ALL", "C.UTF-8", 1);
     return posix_spawnp(&child, arguments[0], &actions_, &attributes_, arguments, environ);
   }

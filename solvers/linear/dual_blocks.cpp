@@ -18,7 +18,8 @@ Balls ball_stencils(const System& s) {
   int at = 0;
   for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
     const int size = static_cast<int>(list.size());
-    if constexpr (std::is_same_v<typename std::decay_t<decltype(list)>::value_type, BallRow>) balls = {at, size};
+    if constexpr (std::is_same_v<typename std::decay_t<decltype(list)>::value_type, BallRow>)
+      balls = {at, size};
     at += size;
   });
   return balls;
@@ -42,9 +43,8 @@ std::string DualBlocks::refusal(const System& s, bool geometric) {
 std::vector<int> DualBlocks::order_joints(const std::vector<std::pair<int, int>>& edges, int joints) {
   const Ordering ordering = fill_reducing_order(joints, edges, BlockCholesky::kBlock);
   ordering_ = ordering.name;
-  const bool chain = std::all_of(edges.begin(), edges.end(), [](const auto& edge) {
-    return std::abs(edge.first - edge.second) == 1;
-  });
+  const bool chain = std::all_of(edges.begin(), edges.end(),
+                                 [](const auto& edge) { return std::abs(edge.first - edge.second) == 1; });
   if (!chain || ordering.name != "natural") return ordering.order;
   ordering_ = "two-ended";
   std::vector<int> order(joints / 2);
@@ -131,7 +131,9 @@ void DualBlocks::reduce(const Kkt& kkt, const VectorXd& b1, const VectorXd& b2) 
     for (int c = 0; c < 3; ++c) rhs_[3 * i + c] = -(scratch_y_[first_row_[i] + c] + b2[first_row_[i] + c]);
 }
 
-void DualBlocks::substitute() { factor_.solve(rhs_.data()); }
+void DualBlocks::substitute() {
+  factor_.solve(rhs_.data());
+}
 
 void DualBlocks::expand(const Kkt& kkt, const VectorXd& b1, const VectorXd&, VectorXd& v, VectorXd& y) {
   y.setZero(system_->rows);

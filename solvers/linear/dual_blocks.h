@@ -9,8 +9,9 @@
 
 namespace feder {
 
-/// The dual Schur complement of design.md section 1 where every row belongs to a ball joint: S = J Mt^-1 J^T +
-/// gamma in 3 x 3 blocks, one per joint, by block Cholesky instead of CHOLMOD (see DualSchur for the formulas).
+/// The dual Schur complement of design.md section 1 where every row belongs to a ball joint: S = J Mt^-1 J^T
+/// + gamma in 3 x 3 blocks, one per joint, by block Cholesky instead of CHOLMOD (see DualSchur for the
+/// formulas).
 class DualBlocks {
  public:
   static constexpr const char* kName = "dual_blocks";

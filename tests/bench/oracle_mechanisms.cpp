@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kChainMethod = "implicit_euler_notes";
 constexpr const char* kChainRoute = "dual";
-constexpr const char* kBridgeMethod = "implicit_euler_notes";
+constexpr const char* kBridgeMethod = "implicit_euler_newton";
 constexpr const char* kBridgeRoute = "auto";
 constexpr double kFrame = 1.0 / 60.0;  // [s]
 constexpr double kLink = 0.2;          // of the bridges [m]

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "engine/kernels.h"
+#include "models/catalog.h"
 #include "solvers/simulate.h"
 #include "tests/solvers/random_mechanism.h"
 #include "tests/solvers/random_system.h"
@@ -141,6 +142,51 @@ TEST(Campaign, HardJointsOfRandomMechanismsStayClosed) {
     }
   }
   EXPECT_LE(failed, campaign_cases(1000) / 50);
+}
+
+TEST(Campaign, JointsStayClosedOver1e5Steps) {
+  const auto [system, start] = test::random_mechanism(4, 2, 1.0, 0.0);
+  for (const char* name : {"leapfrog", "rk4"}) {
+    Integrator integrator = make_integrator(name, system);
+    State state = start;
+    History history;
+    double worst = 0.0, unit = 0.0;
+    VectorXd phi;
+    const int steps = campaign_cases(100000);
+    const RunResult run =
+        simulate(system, integrator, state, history,
+                 {.dt = 1e-3, .end_time = 1e-3 * steps, .observer = [&](const State& at, const History&) {
+                    evaluate_phi(system, at.q, phi);
+                    for (int k = 0; k < system.rows; ++k)
+                      if (std::isinf(system.stiffness[k])) worst = std::max(worst, std::abs(phi[k]));
+                    for (const Body& b : system.bodies)
+                      unit = std::max(unit, std::abs(at.q.segment<4>(b.quaternion).norm() - 1.0));
+                    return true;
+                  }});
+    ASSERT_TRUE(run.status.ok()) << name << ": " << run.status.reason;
+    EXPECT_LT(worst, 1e-10) << name;
+    EXPECT_LT(unit, 1e-14) << name;
+  }
+}
+
+TEST(Campaign, ABridgeOfPlatesHangsForTenSecondsAtFrameSteps) {
+  const bool whole = campaign_cases(100) == 100;
+  const Model model = make_model(whole ? "S3b(30,10)" : "S3b(6,3)");
+  Integrator newton = make_integrator("implicit_euler_newton", model.system);
+  State state = model.state;
+  History history;
+  VectorXd phi;
+  double worst = 0.0;
+  const RunResult run =
+      simulate(model.system, newton, state, history,
+               {.dt = 1.0 / 60.0, .end_time = 10.0, .observer = [&](const State& at, const History&) {
+                  evaluate_phi(model.system, at.q, phi);
+                  worst = std::max(worst, phi.cwiseAbs().maxCoeff());
+                  return true;
+                }});
+  ASSERT_TRUE(run.status.ok()) << run.status.reason;
+  EXPECT_LT(worst, 1e-6 * 0.2);  // of a link
+  EXPECT_LT(total_energy(model.system, state), total_energy(model.system, model.state));
 }
 
 TEST(Campaign, VectorKernelsAgreeWithTheScalarOnes) {
