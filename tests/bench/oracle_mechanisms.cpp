@@ -18,7 +18,7 @@ namespace feder {
 namespace {
 
 constexpr const char* kChainMethod = "implicit_euler_notes";
-constexpr const char* kChainRoute = "dual";
+constexpr const char* kChainRoute = "auto";
 constexpr const char* kBridgeMethod = "implicit_euler_newton";
 constexpr const char* kBridgeRoute = "auto";
 constexpr double kFrame = 1.0 / 60.0;  // [s]
