@@ -21,6 +21,11 @@ void set_driven_velocities(const System& s, double t, VectorXd& v) {
   for (const Drive& drive : s.drives) v.segment<3>(3 * drive.node) = drive.motion.velocity(t);
 }
 
+void drive(const System& s, State& state) {
+  place_driven_nodes(s, state.t, state.q);
+  set_driven_velocities(s, state.t, state.v);
+}
+
 void driven_accelerations(const System& s, double t, VectorXd& a) {
   a.setZero(3 * s.nodes);
   for (const Drive& drive : s.drives) a.segment<3>(3 * drive.node) = drive.motion.acceleration(t);

@@ -31,6 +31,8 @@ struct Drive {
 void place_driven_nodes(const System& system, double t, VectorXd& q);
 /// Gives driven nodes their velocity at time t.
 void set_driven_velocities(const System& system, double t, VectorXd& v);
+/// Both, at the state's own time. Nothing to do where nothing is driven.
+void drive(const System& system, State& state);
 /// a <- accelerations of the driven nodes at time t, 0 elsewhere.
 void driven_accelerations(const System& system, double t, VectorXd& a);
 

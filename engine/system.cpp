@@ -362,8 +362,7 @@ SystemBuilder::Built SystemBuilder::build() const {
   collect_row_materials(s);
   s.drives = drives_;
   if (s.driven()) {
-    place_driven_nodes(s, 0.0, out.state.q);
-    set_driven_velocities(s, 0.0, out.state.v);
+    drive(s, out.state);
     if (!out.state.q.allFinite() || !out.state.v.allFinite())
       throw InputError("system: a prescribed motion is not finite at t = 0");
   }

@@ -15,10 +15,7 @@ Status ExplicitEuler::step(double dt, State& state, History& history, EnergyLedg
   advance(s, dt, state.v, state.q, state.q, rotation_update_);
   state.v.array() += dt * s.inverse_mass.array() * force_.array();
   state.t += dt;
-  if (s.driven()) {
-    place_driven_nodes(s, state.t, state.q);
-    set_driven_velocities(s, state.t, state.v);
-  }
+  drive(s, state);
   history.force.resize(0);
   record.close(state);
   return {};

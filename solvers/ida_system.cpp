@@ -76,10 +76,7 @@ void IdaSystem::read(double t, const double* y, State& state) const {
     std::copy_n(y + position_[3 * b.spin], 4, state.q.data() + b.quaternion);
     normalise(state.q.data() + b.quaternion);
   }
-  if (system_.driven()) {
-    place_driven_nodes(system_, t, state.q);
-    set_driven_velocities(system_, t, state.v);
-  }
+  drive(system_, state);
 }
 
 // q, v, phi, J, J v, lambda, mu and the force at (t, y)

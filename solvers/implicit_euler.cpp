@@ -76,7 +76,7 @@ Status LinearImplicitEuler<kKind>::linearise(double dt, const State& state, cons
     }
     at_ = state;
     at_.t += dt;
-    if (s.driven()) place_driven_nodes(s, at_.t, at_.q);
+    place_driven_nodes(s, at_.t, at_.q);
     kkt_.set_geometric_stiffness(kKind, dt * dt, at_, lambda_);
   }
   return {};
@@ -115,10 +115,7 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
     advance(s, dt, v_, state.q, state.q, rotation_update_);
     std::swap(state.v, v_);
     state.t += dt;
-    if (s.driven()) {
-      place_driven_nodes(s, state.t, state.q);
-      set_driven_velocities(s, state.t, state.v);
-    }
+    drive(s, state);
     if (s.has_hard_rows || kGeometric) history.lambda = y_ / dt;
     history.force.resize(0);
     history.last_dt = dt;

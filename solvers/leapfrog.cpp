@@ -36,7 +36,7 @@ Status Leapfrog::solve_kick(double dt, const State& half, VectorXd& v_next) {
   }
   if (Status status = matrix_->solver.factor(kkt); !status.ok()) return status;
   const Status status = matrix_->solver.solve(kkt, v_next, matrix_->y).status;
-  if (system_->driven()) set_driven_velocities(*system_, half.t, v_next);
+  set_driven_velocities(*system_, half.t, v_next);
   return status;
 }
 
@@ -56,7 +56,7 @@ Status Leapfrog::drift_on_rows(double dt, const VectorXd& q, VectorXd& w, State&
   for (int i = 0; i < kMostCorrections; ++i) {
     next.v = w;
     drift(dt, q, next);
-    if (s.driven()) place_driven_nodes(s, next.t, next.q);
+    place_driven_nodes(s, next.t, next.q);
     evaluate_phi(s, next.q, matrix_->phi);
     double open = 0.0;
     for (int k = 0; k < s.rows; ++k) {
@@ -117,10 +117,7 @@ Status Leapfrog::step(double dt, State& state, History& history, EnergyLedger* l
   } else {
     drift(dt, state.q, next_);
   }
-  if (s.driven()) {
-    place_driven_nodes(s, next_.t, next_.q);
-    set_driven_velocities(s, next_.t, next_.v);
-  }
+  drive(s, next_);
 
   // second kick
   const bool damped = s.has_damping || s.forces.has_drag;

@@ -15,12 +15,6 @@ constexpr double kNode[4] = {0.0, 0.5, 0.5, 1.0};
 constexpr double kWeight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
 }  // namespace
 
-void Rk4::drive(State& at) const {
-  if (!system_->driven()) return;
-  place_driven_nodes(*system_, at.t, at.q);
-  set_driven_velocities(*system_, at.t, at.v);
-}
-
 Status Rk4::prepare() {
   matrix_.reset();
   if (!system_->has_hard_rows) return {};
@@ -69,7 +63,7 @@ Status Rk4::project(State& at) {
     if (Status status = matrix_->solver.solve(kkt, matrix_->a, matrix_->y).status; !status.ok())
       return status;
     advance(s, 1.0, matrix_->a, at.q, at.q);
-    if (s.driven()) place_driven_nodes(s, at.t, at.q);
+    place_driven_nodes(s, at.t, at.q);
   }
   kkt.p = s.inertia.cwiseProduct(at.v);
   for (int i : s.masked) kkt.p[i] = 0.0;
@@ -84,7 +78,7 @@ Status Rk4::project(State& at) {
     if (kkt.gamma[k] == 0.0)
       counts_.velocity_drift = std::max(counts_.velocity_drift, std::abs(matrix_->y[k]));
   if (Status status = matrix_->solver.solve(kkt, at.v, matrix_->y).status; !status.ok()) return status;
-  if (s.driven()) set_driven_velocities(s, at.t, at.v);
+  set_driven_velocities(s, at.t, at.v);
   return {};
 }
 
@@ -100,7 +94,7 @@ Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger
       stage_.q += kNode[i] * dt * rate_[i - 1];
       stage_.v.array() += kNode[i] * dt * W * force_[i - 1].array();
       stage_.t += kNode[i] * dt;
-      drive(stage_);
+      drive(s, stage_);
     }
     if (Status status = evaluate_forces(s, stage_, force_[i]); !status.ok()) return status;
     add_gyroscopic_torques(s, stage_.v, force_[i]);
@@ -118,7 +112,7 @@ Status Rk4::step(double dt, State& state, History& history, EnergyLedger* ledger
   }
   normalise_quaternions(s, stage_.q);
   stage_.t += dt;
-  drive(stage_);
+  drive(s, stage_);
   const VectorXd free = ledger ? stage_.v : VectorXd();
   if (matrix_)
     if (Status status = project(stage_); !status.ok()) return status;

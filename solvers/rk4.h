@@ -21,7 +21,6 @@ class Rk4 {
   const StepCounts& counts() const { return counts_; }
 
  private:
-  void drive(State& at) const;
   Status hold_rows(const State& at, VectorXd& force);
   Status project(State& at);
 
