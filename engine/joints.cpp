@@ -7,6 +7,18 @@
 namespace feder {
 namespace {
 
+// Right-handed axes, the first along `axis`.
+struct Axes {
+  Vector3d x, y, z;
+};
+Axes axes_along(const char* joint, const Vector3d& axis) {
+  const double length = axis.norm();
+  if (!(length > 0.0) || !axis.allFinite())
+    fail_input(joint, "length of its axis", length, "m", "a direction");
+  const Vector3d x = axis / length, y = x.unitOrthogonal();
+  return {x, y, x.cross(y)};
+}
+
 // Writes the rows of one joint and keeps their ids.
 class Joint {
  public:
@@ -26,6 +38,12 @@ class Joint {
                                                  builder_.direction_in(a_, of_a),
                                                  builder_.direction_in(b_, of_b)}));
   }
+  void on_axis(const Axes& axes) {  // slides and turns along x
+    along(axes.y);
+    along(axes.z);
+    perpendicular(axes.x, axes.y);
+    perpendicular(axes.x, axes.z);
+  }
   void along(const Vector3d& axis) {
     const Material& m = material_.linear;
     rows.push_back(builder_.add(
@@ -39,18 +57,6 @@ class Joint {
   JointMaterial material_;
   Anchor a_, b_;
 };
-
-// Right-handed axes, the first along `axis`.
-struct Axes {
-  Vector3d x, y, z;
-};
-Axes axes_along(const char* joint, const Vector3d& axis) {
-  const double length = axis.norm();
-  if (!(length > 0.0) || !axis.allFinite())
-    fail_input(joint, "length of its axis", length, "m", "a direction");
-  const Vector3d x = axis / length, y = x.unitOrthogonal();
-  return {x, y, x.cross(y)};
-}
 
 }  // namespace
 
@@ -84,10 +90,7 @@ std::vector<int> add_cylindrical(SystemBuilder& builder, Anchor a, Anchor b, con
                                  const Vector3d& axis, const JointMaterial& material) {
   const Axes axes = axes_along("cylindrical joint", axis);
   Joint joint(builder, a, b, place, material);
-  joint.along(axes.y);
-  joint.along(axes.z);
-  joint.perpendicular(axes.x, axes.y);
-  joint.perpendicular(axes.x, axes.z);
+  joint.on_axis(axes);
   return joint.rows;
 }
 
@@ -95,10 +98,7 @@ std::vector<int> add_prismatic(SystemBuilder& builder, Anchor a, Anchor b, const
                                const Vector3d& axis, const JointMaterial& material) {
   const Axes axes = axes_along("prismatic joint", axis);
   Joint joint(builder, a, b, place, material);
-  joint.along(axes.y);
-  joint.along(axes.z);
-  joint.perpendicular(axes.x, axes.y);
-  joint.perpendicular(axes.x, axes.z);
+  joint.on_axis(axes);
   joint.perpendicular(axes.y, axes.z);
   return joint.rows;
 }

@@ -53,8 +53,6 @@ Status degenerate(const System& s, const Stencil& stencil, const VectorXd& q) {
       s.row_name(stencil.first_row) + ": degenerate (an edge of length 0, or a straight or folded angle)");
 }
 
-constexpr int kMostColumns = 15;  // of a row: 5 nodes
-
 // Relative residual of the second block row above which its scale is looked at more closely.
 constexpr double kRestCheck = 1e-13;
 constexpr double kRounding = 2e-15;
@@ -203,71 +201,6 @@ Status Kkt::evaluate(const VectorXd& q, bool with_length) {
     swap_dropped();
   }
   return status;
-}
-
-// Numbers of a row in u or in the pool, their count in `size`.
-double* Kkt::jacobian_of(int row, int& size) {
-  const System& s = *system;
-  size = 3;
-  if (row < s.distance.size()) return u.data() + 3 * row;
-  const auto after = std::upper_bound(s.stencils.begin(), s.stencils.end(), row,
-                                      [](int k, const Stencil& stencil) { return k < stencil.first_row; });
-  const Stencil& stencil = *std::prev(after);
-  size = 3 * stencil.nodes;
-  return jacobian.data() + stencil.jacobian + (row - stencil.first_row) * size;
-}
-
-void Kkt::swap_dropped() {
-  double* kept = dropped_jacobian_.data();
-  for (std::size_t i = 0; i < dropped_.size(); ++i, kept += kMostColumns) {
-    int size = 0;
-    double* J = jacobian_of(dropped_[i], size);
-    std::swap_ranges(J, J + size, kept);
-    std::swap(phi[dropped_[i]], dropped_phi_[static_cast<Eigen::Index>(i)]);
-  }
-}
-
-void Kkt::drop_rows(const std::vector<int>& rows) {
-  swap_dropped();  // the old ones come back
-  for (int k : dropped_) gamma[k] = 0.0;
-  dropped_ = rows;
-  for (int k : dropped_) gamma[k] = 1.0, r[k] = 0.0;
-  dropped_phi_ = VectorXd::Zero(static_cast<Eigen::Index>(rows.size()));
-  dropped_jacobian_ = VectorXd::Zero(static_cast<Eigen::Index>(rows.size()) * kMostColumns);
-  swap_dropped();
-  ++step_serial_;
-}
-
-double Kkt::dropped_gap() const {
-  return dropped_.empty() ? 0.0 : dropped_phi_.cwiseAbs().maxCoeff();
-}
-
-double Kkt::kept_gap() const {
-  double largest = 0.0;
-  for (int k = 0; k < phi.size(); ++k)
-    if (gamma[k] == 0.0) largest = std::max(largest, std::abs(phi[k]));
-  return largest;
-}
-
-std::pair<int, double> Kkt::dropped_gap_after(const VectorXd& w) const {
-  const System& s = *system;
-  std::pair<int, double> worst{-1, 0.0};
-  for (std::size_t i = 0; i < dropped_.size(); ++i) {
-    const double* J = dropped_jacobian_.data() + i * kMostColumns;
-    const int row = dropped_[i];
-    double gap = dropped_phi_[static_cast<Eigen::Index>(i)];
-    if (row < s.distance.size()) {
-      for (int c = 0; c < 3; ++c) gap += J[c] * (w[3 * s.distance.b[row] + c] - w[3 * s.distance.a[row] + c]);
-    } else {
-      const Stencil& stencil =
-          *std::prev(std::upper_bound(s.stencils.begin(), s.stencils.end(), row,
-                                      [](int k, const Stencil& x) { return k < x.first_row; }));
-      for (int j = 0; j < 3 * stencil.nodes; ++j)
-        gap += J[j] * w[3 * s.stencil_nodes[stencil.first_node + j / 3] + j % 3];
-    }
-    if (worst.first < 0 || std::abs(gap) > worst.second) worst = {row, std::abs(gap)};
-  }
-  return worst;
 }
 
 void Kkt::take_spins_over_a_step(double dt, const VectorXd& v) {

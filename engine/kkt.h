@@ -89,7 +89,7 @@ struct Kkt {
   ResidualSize residual_size(const VectorXd& v, const VectorXd& y) const;
 
  private:
-  double* jacobian_of(int row, int& stride);
+  double* jacobian_of(int row, int& size);
   void swap_dropped();
   template <class Velocity>
   void multiply_stencils(Velocity&& velocity, VectorXd& out) const;
