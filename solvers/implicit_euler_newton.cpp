@@ -54,7 +54,7 @@ Status ImplicitEulerNewton::evaluate(double dt, const State& start, Multipliers 
   at.multipliers = multipliers;
   at.state.t = start.t + dt;
   advance(s, dt, at.state.v, start.q, at.state.q);
-  if (s.driven()) place_driven_nodes(s, at.state.t, at.state.q);
+  place_driven_nodes(s, at.state.t, at.state.q);
   ++counts_.force_evaluations;
   if (Status status = kkt_.evaluate(at.state.q); !status.ok()) return status;
   kkt_.take_spins_over_a_step(dt, at.state.v);
@@ -85,8 +85,9 @@ Status ImplicitEulerNewton::evaluate(double dt, const State& start, Multipliers 
              : Status::failure(StatusCode::kNonFinite, "Newton residual is not finite");
 }
 
-Status ImplicitEulerNewton::factor_and_solve(double relative) {
+Status ImplicitEulerNewton::factor_and_solve(const Iterate& at) {
   const System& s = *system_;
+  kkt_.r = at.g;
   if (s.has_hard_rows && !rank_known_) {
     redundant_ = !hard_row_rank(kkt_).dependent.empty();
     rank_known_ = true;
@@ -94,7 +95,7 @@ Status ImplicitEulerNewton::factor_and_solve(double relative) {
   VectorXd mobility;
   if (redundant_) {
     mobility = row_mobility(kkt_);
-    const double epsilon = std::clamp(relative, kLeastStabilised, kMostStabilised);
+    const double epsilon = std::clamp(at.relative, kLeastStabilised, kMostStabilised);
     for (int k = 0; k < s.rows; ++k)
       if (std::isinf(s.stiffness[k])) kkt_.gamma[k] = epsilon * mobility[k];
   }
@@ -105,7 +106,7 @@ Status ImplicitEulerNewton::factor_and_solve(double relative) {
   if (kkt_.dropped().empty()) return status;
   kkt_.drop_rows({});  // a configuration where they depend: from now on stabilised
   redundant_ = true;
-  return factor_and_solve(relative);
+  return factor_and_solve(at);
 }
 
 // Redundant rows that stay open when the iteration ends contradict each other.
@@ -125,11 +126,10 @@ Status ImplicitEulerNewton::ended(const Status& failure) const {
 Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
   lambda_ = at.y / dt;
   kkt_.p = -at.residual;
-  kkt_.r = at.g;
   for (;;) {
     const GeometricStiffness kind = kept_ == 1.0 ? GeometricStiffness::kFull : GeometricStiffness::kClamped;
     kkt_.set_geometric_stiffness(kind, dt * dt, at.state, lambda_, kept_, dt);
-    const Status status = factor_and_solve(at.relative);
+    const Status status = factor_and_solve(at);
     if (status.ok()) kept_ = std::min(1.0, kKeptGrows * std::max(kept_, kLeastKept));
     if (status.code != StatusCode::kSingular || kept_ == 0.0) return status;
     ++counts_.indefinite_matrices;
@@ -304,7 +304,7 @@ Status ImplicitEulerNewton::step(double dt, State& state, History& history, Ener
   ++counts_.steps;
   if (ledger) keep_books(dt, state, at_, *ledger);
   std::swap(state, at_.state);
-  if (s.driven()) set_driven_velocities(s, state.t, state.v);
+  set_driven_velocities(s, state.t, state.v);
   history.lambda = at_.y / dt;
   history.force.resize(0);
   return {};

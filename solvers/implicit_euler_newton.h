@@ -37,7 +37,7 @@ class ImplicitEulerNewton {
   };
   Status evaluate(double dt, const State& start, Multipliers multipliers, Iterate& at);
   Status solve_direction(double dt, const Iterate& at);
-  Status factor_and_solve(double relative);
+  Status factor_and_solve(const Iterate& at);
   Status ended(const Status& failure) const;
   bool frozen() const;
   double merit(double dt, const Iterate& at, double& magnitude) const;
