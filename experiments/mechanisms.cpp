@@ -209,8 +209,7 @@ void add_row(Context& context, const Scene& scene, const IntegratorInfo& method,
                      {"scene_length", scene.model.scene_length}});
 }
 
-// The nearest step that divides the run. A short last step would have the methods that close velocities
-// close within it the gap that a long step left: a kick of gap / dt.
+// The nearest step that divides the run: all steps of a run are then as long as its chart says.
 double whole_step(double end, double dt) {
   return end / std::max(1.0, std::round(end / dt));
 }

@@ -74,19 +74,19 @@ class LinearSolver {
   Status analyze_named(const System& system, bool geometric, const std::string& name);
   Status choose(const System& system, bool geometric);
 
-  std::string wanted_, reason_;
-  SolveOptions options_;
+  static constexpr double kSuspicious = 1e-12;
+
   Status factor_with(const Kkt& kkt);
   Status look_at_rank(Kkt& kkt);
   Status judge_dropped_rows(Kkt& kkt);
   SolveReport solve_once(const Kkt& kkt, VectorXd& v, VectorXd& y);
 
+  std::string wanted_, reason_;
+  SolveOptions options_;
   Route route_;
   PhaseTimes times_;
-  bool rank_known_ = false;  // looked at since analyze
-  // Pivot ratio (squared sine) below which rows may depend on each other.
-  static constexpr double kSuspicious = 1e-12;
-  double suspicious_ = kSuspicious;
+  bool rank_known_ = false;          // looked at since analyze
+  double suspicious_ = kSuspicious;  // pivot ratio (squared sine) below which rows may depend on each other
   RowRank rank_;
   VectorXd residual_v_, residual_y_, correction_v_, correction_y_;
 };

@@ -10,47 +10,26 @@
 #include "solvers/ida_reference.h"
 #include "solvers/reference.h"
 #include "solvers/simulate.h"
+#include "tests/solvers/ida_jacobian.h"
 #include "tests/solvers/random_mechanism.h"
-#include "tests/support/finite_difference.h"
 
 namespace feder {
 namespace {
 
-Eigen::MatrixXd dense(const IdaSystem& system, const VectorXd& values) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(system.unknowns(), system.unknowns());
-  for (int column = 0; column < system.unknowns(); ++column)
-    for (auto k = system.column_starts()[column]; k < system.column_starts()[column + 1]; ++k)
-      out(system.row_indices()[k], column) = values[k];
-  return out;
-}
-
-/// Bodies on joints of one stiffness, a torque, a damped motor, all moving.
+/// Three bodies on joints, hard or of 300 N/m, and springs, all moving.
 SystemBuilder::Built joined(unsigned seed, double hard_share) {
   return test::random_mechanism(seed, 3, hard_share, 300.0);
 }
 
-double jacobian_error(const SystemBuilder::Built& built, IdaForm form) {
-  const auto& [s, state] = built;
-  IdaSystem system(s, state, form);
-  VectorXd y(system.unknowns()), y_prime(system.unknowns()), values(system.nonzeros());
-  EXPECT_TRUE(system.initial(state, y.data(), y_prime.data()).ok());
-  const double cj = 3.7;
-  auto residual = [&](const VectorXd& at) {
-    const VectorXd rate = y_prime + cj * (at - y);
-    VectorXd r(system.unknowns());
-    EXPECT_TRUE(system.residual(state.t, at.data(), rate.data(), r.data()).ok());
-    return r;
-  };
-  const Eigen::MatrixXd finite = finite_jacobian(residual, y, 1e-4);
-  EXPECT_TRUE(system.jacobian(state.t, y.data(), cj, values.data()).ok());
-  return (dense(system, values) - finite).cwiseAbs().maxCoeff() / finite.cwiseAbs().maxCoeff();
-}
-
 TEST(IdaBodies, JacobianAgreesWithFiniteDifferences) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
-    EXPECT_LT(jacobian_error(joined(seed, 0.0), IdaForm::kOde), 1e-7) << seed;
-    EXPECT_LT(jacobian_error(joined(seed, 0.0), IdaForm::kCompliance), 1e-7) << seed;
-    EXPECT_LT(jacobian_error(joined(seed, 1.0), IdaForm::kGgl), 1e-7) << seed;
+    auto error = [&](double hard_share, IdaForm form) {
+      const auto [s, state] = joined(seed, hard_share);
+      return test::jacobian_error(s, state, form);
+    };
+    EXPECT_LT(error(0.0, IdaForm::kOde), 1e-7) << seed;
+    EXPECT_LT(error(0.0, IdaForm::kCompliance), 1e-7) << seed;
+    EXPECT_LT(error(1.0, IdaForm::kGgl), 1e-7) << seed;
   }
 }
 
@@ -81,8 +60,6 @@ TEST(IdaBodies, AgreesWithRk4OnMechanismsWithJointsAndSprings) {
     const IdaResult judge = ida_solve(s, start, 0.5);
     ASSERT_TRUE(judge.status.ok()) << judge.status.reason;
     EXPECT_EQ(judge.form, "ggl");
-    VectorXd phi;
-    evaluate_phi(s, judge.state.q, phi);
     const double error = position_error(s, judge.state, rk4(s, start, 2e-4, 0.5));
     EXPECT_LT(error, 2e-7) << seed;
     EXPECT_NEAR(total_energy(s, judge.state), total_energy(s, start), 1e-5) << seed;

@@ -10,7 +10,7 @@
 
 #include "models/elliptic.h"
 #include "solvers/ida_system.h"
-#include "tests/support/finite_difference.h"
+#include "tests/solvers/ida_jacobian.h"
 #include "tests/support/scenes.h"
 
 namespace feder {
@@ -245,33 +245,11 @@ TEST(IdaReference, BudgetsEndARun) {
 // ---- The equations behind it
 // ----------------------------------------------------------------------------------------
 
-Eigen::MatrixXd dense(const IdaSystem& system, const VectorXd& values) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(system.unknowns(), system.unknowns());
-  for (int column = 0; column < system.unknowns(); ++column)
-    for (auto k = system.column_starts()[column]; k < system.column_starts()[column + 1]; ++k)
-      out(system.row_indices()[k], column) = values[k];
-  return out;
-}
-
 TEST(IdaSystem, JacobianAgreesWithFiniteDifferences) {
   for (std::uint64_t seed : {1, 2, 3})
     for (IdaForm form : kForms) {
       const auto [scene, state] = mixed_scene(seed, {.rods = false});
-      IdaSystem system(scene, state, form);
-      VectorXd y(system.unknowns()), y_prime(system.unknowns()), values(system.nonzeros());
-      ASSERT_TRUE(system.initial(state, y.data(), y_prime.data()).ok());
-      const double cj = 3.7;
-      auto residual = [&](const VectorXd& at) {
-        const VectorXd rate = y_prime + cj * (at - y);
-        VectorXd r(system.unknowns());
-        EXPECT_TRUE(system.residual(state.t, at.data(), rate.data(), r.data()).ok());
-        return r;
-      };
-      const Eigen::MatrixXd finite = finite_jacobian(residual, y, 1e-4);
-      ASSERT_TRUE(system.jacobian(state.t, y.data(), cj, values.data()).ok());
-      const double error =
-          (dense(system, values) - finite).cwiseAbs().maxCoeff() / finite.cwiseAbs().maxCoeff();
-      EXPECT_LT(error, 1e-8) << name(form);  // 1.4e-11
+      EXPECT_LT(test::jacobian_error(scene, state, form), 1e-8) << name(form);  // 1.4e-11
     }
 }
 

@@ -109,7 +109,6 @@ TEST(Campaign, RedundantMechanismsAreSolvedAsTheMinimumNormSolution) {
   }
   EXPECT_LT(worst_v, 1e-8);
   EXPECT_LT(worst_y, 1e-4);
-  RecordProperty("worst_v", std::to_string(worst_v));
   std::printf("redundant mechanisms: v %.2g, y %.2g\n", worst_v, worst_y);
 }
 
