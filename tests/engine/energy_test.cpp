@@ -14,7 +14,7 @@ namespace {
 
 /// Two particles on the x axis, 3 m apart, on a spring of rest length 2 m; a world point with a second
 /// spring.
-Scene two_masses() {
+TestScene two_masses() {
   SystemBuilder builder;
   const Anchor a = builder.add_particle(2.0, {0, 0, 0}, {1, 2, 3}),
                b = builder.add_particle(0.5, {3, 0, 0}, {0, -4, 0});
@@ -30,17 +30,17 @@ Scene two_masses() {
 }
 
 TEST(Energy, KineticIsHalfMassTimesSpeedSquared) {
-  const Scene scene = two_masses();
+  const TestScene scene = two_masses();
   EXPECT_DOUBLE_EQ(kinetic_energy(scene.system, scene.state), 0.5 * 2.0 * 14.0 + 0.5 * 0.5 * 16.0);
 }
 
 TEST(Energy, RowEnergyIsHalfStiffnessTimesStretchSquaredOverTheFiniteRows) {
-  const Scene scene = two_masses();
+  const TestScene scene = two_masses();
   EXPECT_DOUBLE_EQ(row_energy(scene.system, scene.state), 0.5 * 10.0 * 1.0 + 0.5 * 4.0 * 0.25);
 }
 
 TEST(Energy, ExternalEnergyIsMinusForceTimesPosition) {
-  Scene scene = two_masses();
+  TestScene scene = two_masses();
   scene.state.q.segment<3>(0) = Vector3d(1, 5, 0);
   scene.state.q.segment<3>(3) = Vector3d(2, 3, -4);
   // m g y, and -7 z for the constant force
@@ -49,8 +49,8 @@ TEST(Energy, ExternalEnergyIsMinusForceTimesPosition) {
 }
 
 TEST(Energy, ExternalEnergyIncludesTheUsersPotential) {
-  const Scene scene = mixed_scene(1);
-  Scene without = mixed_scene(1, {.user_force = false});
+  const TestScene scene = mixed_scene(1);
+  TestScene without = mixed_scene(1, {.user_force = false});
   const double potential = scene.system.forces.user.potential(0.0, scene.state.q);
   ASSERT_GT(potential, 1.0);
   EXPECT_NEAR(external_energy(scene.system, scene.state) - external_energy(without.system, without.state),
@@ -69,7 +69,7 @@ TEST(Energy, BendingRowsStoreEnergyOfTheirAngle) {
 }
 
 TEST(Energy, TotalIsTheSumOfTheThree) {
-  const Scene scene = mixed_scene(2);
+  const TestScene scene = mixed_scene(2);
   EXPECT_DOUBLE_EQ(total_energy(scene.system, scene.state), kinetic_energy(scene.system, scene.state) +
                                                                 row_energy(scene.system, scene.state) +
                                                                 external_energy(scene.system, scene.state));
@@ -77,7 +77,7 @@ TEST(Energy, TotalIsTheSumOfTheThree) {
 
 TEST(Energy, ForcesAreMinusItsGradient) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const Scene scene = mixed_scene(seed, {.damping = false});
+    const TestScene scene = mixed_scene(seed, {.damping = false});
     const System& s = scene.system;
     auto potential = [&](const VectorXd& q) {
       const State at{scene.state.t, q, scene.state.v};
@@ -92,7 +92,7 @@ TEST(Energy, ForcesAreMinusItsGradient) {
 }
 
 TEST(Energy, RowForcesAreMinusTheGradientOfTheRowEnergyAlsoWhereCoordinatesAreMasked) {
-  const Scene scene = mixed_scene(3, {.damping = false, .user_force = false});
+  const TestScene scene = mixed_scene(3, {.damping = false, .user_force = false});
   const System& s = scene.system;
   auto energy = [&](const VectorXd& q) { return row_energy(s, State{0.0, q, scene.state.v}); };
   VectorXd force;
@@ -105,18 +105,18 @@ TEST(Energy, RowForcesAreMinusTheGradientOfTheRowEnergyAlsoWhereCoordinatesAreMa
 }
 
 TEST(Momentum, LinearIsTheSumOfMassTimesVelocity) {
-  const Scene scene = two_masses();
+  const TestScene scene = two_masses();
   EXPECT_TRUE(linear_momentum(scene.system, scene.state).isApprox(Vector3d(2.0, 4.0 - 2.0, 6.0), 1e-15));
 }
 
 TEST(Momentum, AngularIsTheSumOfPositionCrossMomentum) {
-  const Scene scene = two_masses();
+  const TestScene scene = two_masses();
   // a sits at the origin; b: (3, 0, 0) x 0.5 (0, -4, 0)
   EXPECT_TRUE(angular_momentum(scene.system, scene.state).isApprox(Vector3d(0.0, 0.0, -6.0), 1e-15));
 }
 
 /// A free net without world points or masks; `curvature` adds bent curvature rows.
-Scene free_net(bool damping, bool curvature) {
+TestScene free_net(bool damping, bool curvature) {
   Random random(21);
   SystemBuilder builder;
   for (int i = 0; i < 8; ++i)
@@ -131,7 +131,7 @@ Scene free_net(bool damping, bool curvature) {
   return {std::move(system), std::move(state)};
 }
 
-void sum_up(const Scene& scene, Vector3d& force, Vector3d& torque, double& size) {
+void sum_up(const TestScene& scene, Vector3d& force, Vector3d& torque, double& size) {
   VectorXd f;
   ASSERT_TRUE(evaluate_forces(scene.system, scene.state, f).ok());
   force = torque = Vector3d::Zero();

@@ -67,7 +67,7 @@ double least_eigenvalue(const MatrixXd& m) {
 /// Systems of a single row (or the user force alone), named.
 struct Single {
   const char* name;
-  Scene scene;
+  TestScene scene;
 };
 
 std::vector<Single> single_rows() {
@@ -126,7 +126,7 @@ TEST(GeometricStiffness, KeepsTheFractionOfTheNegativePartThatIsAskedFor) {
 
 TEST(GeometricStiffness, FullPlusJacobianPartIsMinusTheDerivativeOfTheForces) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const Scene scene = mixed_scene(seed, {.rods = false, .damping = false});
+    const TestScene scene = mixed_scene(seed, {.rods = false, .damping = false});
     const System& s = scene.system;
     auto forces = [&](const VectorXd& q) {
       VectorXd f;
@@ -145,7 +145,7 @@ TEST(GeometricStiffness, FullPlusJacobianPartIsMinusTheDerivativeOfTheForces) {
 TEST(GeometricStiffness, FullIsMinusLambdaTimesHessianForAnyMultipliers) {
   Random random(1);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const Scene scene = mixed_scene(seed, {.hard_angle = true});
+    const TestScene scene = mixed_scene(seed, {.hard_angle = true});
     const System& s = scene.system;
     const VectorXd lambda = random.numbers(s.rows, 10.0);
     const double sigma = 0.04;
@@ -195,7 +195,7 @@ TEST(GeometricStiffness, ClampedBendingKeepsSomeAndDropsSome) {
 TEST(GeometricStiffness, ClampedIsPositiveSemidefiniteForAnyMultipliers) {
   Random random(2);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Scene scene = mixed_scene(seed, {.hard_angle = true});
+    const TestScene scene = mixed_scene(seed, {.hard_angle = true});
     const VectorXd lambda = random.numbers(scene.system.rows, 100.0);
     const MatrixXd full = geometric_by_columns(
         with_geometric(scene.system, scene.state, GeometricStiffness::kFull, 1.0, lambda));
@@ -221,7 +221,7 @@ TEST(GeometricStiffness, ClampedIsPositiveSemidefiniteForAnIndefiniteUserForce) 
 }
 
 TEST(GeometricStiffness, OffAddsNothing) {
-  const Scene scene = mixed_scene(1);
+  const TestScene scene = mixed_scene(1);
   const VectorXd lambda = spring_lambda(scene.system, scene.state.q);
   Kkt kkt = with_geometric(scene.system, scene.state, GeometricStiffness::kFull, 1.0, lambda);
   ASSERT_GT(largest(geometric_by_columns(kkt)), 1.0);
@@ -254,7 +254,7 @@ TEST(GeometricStiffness, ZeroRestLengthHasTheHessianOfASquareAtEveryLength) {
 }
 
 TEST(GeometricStiffness, IsProportionalToSigma) {
-  const Scene scene = mixed_scene(2);
+  const TestScene scene = mixed_scene(2);
   const VectorXd lambda = spring_lambda(scene.system, scene.state.q);
   for (GeometricStiffness kind : {GeometricStiffness::kFull, GeometricStiffness::kClamped}) {
     const MatrixXd one = geometric_by_columns(with_geometric(scene.system, scene.state, kind, 1.0, lambda));

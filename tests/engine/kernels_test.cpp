@@ -19,7 +19,7 @@ namespace {
 enum class Numbering { kGrid, kShuffled, kRandomNet, kChain };
 
 /// 24 x 17 sheet of springs in general position, some damped, some rods, some of zero rest length.
-Scene sheet(Numbering numbering, std::uint64_t seed) {
+TestScene sheet(Numbering numbering, std::uint64_t seed) {
   Random random(seed);
   const int width = numbering == Numbering::kChain ? 37 : 24,
             height = numbering == Numbering::kChain ? 1 : 17;
@@ -64,7 +64,7 @@ struct Evaluation {
   double least_evaluate, least_forces, least_damped;
 };
 
-Evaluation evaluate_with(const Kernels& kernel, const Scene& scene) {
+Evaluation evaluate_with(const Kernels& kernel, const TestScene& scene) {
   const DistanceView view = scene.system.distance_view();
   const int m = scene.system.distance.size(), n = 3 * scene.system.nodes;
   Random random(77);
@@ -92,7 +92,7 @@ double largest_difference(const VectorXd& x, const VectorXd& y) {
 }
 
 TEST(ScalarKernels, AgreeWithTheDefinitionRowByRow) {
-  const Scene scene = sheet(Numbering::kShuffled, 1);
+  const TestScene scene = sheet(Numbering::kShuffled, 1);
   const System& s = scene.system;
   const Evaluation e = evaluate_with(scalar_kernels(), scene);
   Random random(77);
@@ -144,7 +144,7 @@ TEST_P(VectorKernels, AgreeWithTheScalarOnesOnEveryNumbering) {
   for (Numbering numbering :
        {Numbering::kGrid, Numbering::kShuffled, Numbering::kRandomNet, Numbering::kChain})
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Scene scene = sheet(numbering, seed);
+      const TestScene scene = sheet(numbering, seed);
       const Evaluation plain = evaluate_with(scalar_kernels(), scene), wide = evaluate_with(kernels(), scene);
       ASSERT_GT(plain.phi.cwiseAbs().maxCoeff(), 0.1);
       ASSERT_GT(plain.product.cwiseAbs().maxCoeff(), 0.1);
@@ -168,7 +168,7 @@ TEST_P(VectorKernels, AgreeWithTheScalarOnesOnEveryNumbering) {
 
 TEST_P(VectorKernels, AgreeWithTheScalarOnesWherePointsCoincide) {
   for (Numbering numbering : {Numbering::kGrid, Numbering::kShuffled}) {
-    Scene scene = sheet(numbering, 3);
+    TestScene scene = sheet(numbering, 3);
     const DistanceRows& rows = scene.system.distance;
     for (int k = 0; k < rows.size(); k += 5)
       scene.state.q.segment<3>(3 * rows.b[k]) = scene.state.q.segment<3>(3 * rows.a[k]);
@@ -196,9 +196,9 @@ TEST_P(VectorKernels, AgreeWithTheScalarOnesWherePointsCoincide) {
 }
 
 TEST_P(VectorKernels, ReportNotANumberWhereverItSits) {
-  const Scene scene = sheet(Numbering::kGrid, 2);
+  const TestScene scene = sheet(Numbering::kGrid, 2);
   for (int i = 0; i < scene.system.nodes; i += 7) {
-    Scene bad = scene;
+    TestScene bad = scene;
     bad.state.q[3 * i + i % 3] = NAN;
     const Evaluation plain = evaluate_with(scalar_kernels(), bad), wide = evaluate_with(kernels(), bad);
     EXPECT_TRUE(std::isnan(plain.least_evaluate) && std::isnan(plain.least_forces) &&

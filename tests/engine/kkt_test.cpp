@@ -16,7 +16,7 @@
 namespace feder {
 namespace {
 
-Kkt evaluated(const Scene& scene, double sigma = 0.01, double rho = 0.1) {
+Kkt evaluated(const TestScene& scene, double sigma = 0.01, double rho = 0.1) {
   Kkt kkt;
   kkt.prepare(scene.system);
   kkt.set_step(sigma, rho);
@@ -45,7 +45,7 @@ TEST(Kkt, PhiAndJacobianAreTheDefinitions) {
     const KernelChoice choice(name);
     if (!choice.available()) continue;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      const Scene scene = mixed_scene(seed, {.hard_angle = true});
+      const TestScene scene = mixed_scene(seed, {.hard_angle = true});
       Kkt kkt = evaluated(scene);
       const DenseRows dense = dense_rows(scene.system, scene.state.q);
       ASSERT_GT(largest(dense.phi), 0.5);
@@ -57,7 +57,7 @@ TEST(Kkt, PhiAndJacobianAreTheDefinitions) {
 }
 
 TEST(Kkt, JacobianAgreesWithDifferencesOfPhi) {
-  const Scene scene = mixed_scene(5, {.hard_angle = true});
+  const TestScene scene = mixed_scene(5, {.hard_angle = true});
   Kkt kkt = evaluated(scene);
   auto phi = [&](const VectorXd& q) {
     VectorXd out;
@@ -72,7 +72,7 @@ TEST(Kkt, JacobianAgreesWithDifferencesOfPhi) {
 }
 
 TEST(Kkt, EvaluatePhiAgreesWithEvaluate) {
-  const Scene scene = mixed_scene(6, {.hard_angle = true});
+  const TestScene scene = mixed_scene(6, {.hard_angle = true});
   Kkt kkt = evaluated(scene);
   VectorXd phi;
   evaluate_phi(scene.system, scene.state.q, phi);
@@ -86,7 +86,7 @@ TEST(Kkt, EvaluatePhiAgreesWithEvaluate) {
 TEST(Kkt, TransposeIsTheAdjointOfJ) {
   Random random(3);
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const Scene scene = mixed_scene(seed, {.hard_angle = true});
+    const TestScene scene = mixed_scene(seed, {.hard_angle = true});
     Kkt kkt = evaluated(scene);
     const VectorXd v = random.numbers(3 * scene.system.nodes), y = random.numbers(scene.system.rows);
     VectorXd Jv, Jty = VectorXd::Zero(v.size());
@@ -98,7 +98,7 @@ TEST(Kkt, TransposeIsTheAdjointOfJ) {
 }
 
 TEST(Kkt, TransposeAddsToWhatIsThere) {
-  const Scene scene = mixed_scene(2);
+  const TestScene scene = mixed_scene(2);
   Kkt kkt = evaluated(scene);
   const VectorXd y = VectorXd::Ones(scene.system.rows);
   VectorXd once = VectorXd::Zero(36), onto = VectorXd::Constant(36, 2.0);
@@ -109,7 +109,7 @@ TEST(Kkt, TransposeAddsToWhatIsThere) {
 }
 
 TEST(Kkt, SwitchedOffRowsHaveNoPhiAndNoJacobian) {
-  const Scene scene = mixed_scene(3);
+  const TestScene scene = mixed_scene(3);
   Kkt kkt = evaluated(scene);
   const Eigen::MatrixXd J = jacobian_by_columns(kkt);
   int found = 0;
@@ -129,7 +129,7 @@ TEST(Kkt, SwitchedOffRowsHaveNoPhiAndNoJacobian) {
 
 /// A spring, a rod, a damped spring, a spring of stiffness 0 with damping time, a curvature and a damped
 /// angle, in this order.
-Scene one_of_each() {
+TestScene one_of_each() {
   SystemBuilder builder;
   for (int i = 0; i < 4; ++i) builder.add_particle(1.0, {1.0 * i, 0.3 * (i % 2), 0.2 * i * i});
   builder.add_distance({0}, {1}, {50.0}, 1.0);
@@ -145,7 +145,7 @@ Scene one_of_each() {
 }
 
 TEST(Kkt, GammaIsOneOverSigmaDPlusRhoB) {
-  const Scene scene = one_of_each();
+  const TestScene scene = one_of_each();
   const double sigma = 0.01, rho = 0.1;
   Kkt kkt = evaluated(scene, sigma, rho);
   const auto& row = scene.system.row_of_id;
@@ -157,7 +157,7 @@ TEST(Kkt, GammaIsOneOverSigmaDPlusRhoB) {
 }
 
 TEST(Kkt, GammaOfARigidRowIsExactlyZero) {
-  const Scene scene = one_of_each();
+  const TestScene scene = one_of_each();
   Kkt kkt = evaluated(scene);
   for (int id : {1, 6, 7}) {
     EXPECT_EQ(kkt.gamma[scene.system.row_of_id[id]], 0.0);
@@ -169,7 +169,7 @@ TEST(Kkt, GammaOfARigidRowIsExactlyZero) {
 
 TEST(Kkt, WithSigmaZeroOnlyDampingPushes) {
   // leapfrog's second kick: sigma = 0, rho = dt/2
-  const Scene scene = one_of_each();
+  const TestScene scene = one_of_each();
   Kkt kkt = evaluated(scene, 0.0, 0.05);
   const auto& row = scene.system.row_of_id;
   const Eigen::MatrixXd J = jacobian_by_columns(kkt);
@@ -186,7 +186,7 @@ TEST(Kkt, WithSigmaZeroOnlyDampingPushes) {
 }
 
 TEST(Kkt, RigidRowsStayRigidWithSigmaZero) {
-  const Scene scene = one_of_each();
+  const TestScene scene = one_of_each();
   for (double rho : {0.0, 0.05}) {
     Kkt kkt = evaluated(scene, 0.0, rho);
     const Eigen::MatrixXd J = jacobian_by_columns(kkt);
@@ -198,7 +198,7 @@ TEST(Kkt, RigidRowsStayRigidWithSigmaZero) {
 }
 
 TEST(Kkt, RowsComeBackWhenSigmaDoes) {
-  const Scene scene = mixed_scene(4);
+  const TestScene scene = mixed_scene(4);
   Kkt kkt = evaluated(scene, 0.0, 0.05);
   const Eigen::MatrixXd damped = jacobian_by_columns(kkt);
   kkt.set_step(0.01, 0.1);
@@ -211,7 +211,7 @@ TEST(Kkt, RowsComeBackWhenSigmaDoes) {
 }
 
 TEST(Kkt, MassIsInertiaPlusRhoDrag) {
-  const Scene scene = mixed_scene(1);
+  const TestScene scene = mixed_scene(1);
   const System& s = scene.system;
   Kkt kkt = evaluated(scene, 0.01, 0.1);
   for (int i = 0; i < 3 * s.nodes; ++i) {
@@ -221,8 +221,38 @@ TEST(Kkt, MassIsInertiaPlusRhoDrag) {
   }
 }
 
+TEST(Kkt, RowsTakenOutAreEmptyAndComeBackAsTheyWere) {
+  const TestScene scene = mixed_scene(4, {.hard_angle = true});
+  const System& s = scene.system;
+  std::vector<int> hard;
+  for (int k = 0; k < s.rows; ++k)
+    if (std::isinf(s.stiffness[k])) hard.push_back(k);
+  ASSERT_GE(hard.size(), 2u);
+  Kkt kkt = evaluated(scene);
+  kkt.r = VectorXd::Ones(s.rows);
+  const Eigen::MatrixXd J = jacobian_by_columns(kkt);
+  const VectorXd phi = kkt.phi;
+  auto expect_without = [&](int out) {
+    const Eigen::MatrixXd now = jacobian_by_columns(kkt);
+    for (int k : hard) {
+      EXPECT_EQ(kkt.gamma[k], k == out ? 1.0 : 0.0);
+      EXPECT_EQ(kkt.phi[k], k == out ? 0.0 : phi[k]);
+      EXPECT_EQ(largest(now.row(k) - (k == out ? 0.0 : 1.0) * J.row(k)), 0.0);
+    }
+    if (out >= 0) {
+      EXPECT_EQ(kkt.r[out], 0.0);
+    }
+  };
+  kkt.drop_rows({hard[0]});
+  expect_without(hard[0]);
+  kkt.drop_rows({hard[1]});  // the first comes back
+  expect_without(hard[1]);
+  kkt.drop_rows({});
+  expect_without(-1);
+}
+
 TEST(Kkt, StepSerialChangesWithTheStepAndOnlyThen) {
-  const Scene scene = mixed_scene(1);
+  const TestScene scene = mixed_scene(1);
   Kkt kkt = evaluated(scene, 0.01, 0.1);
   const long before = kkt.step_serial();
   kkt.set_step(0.01, 0.1);
@@ -233,7 +263,7 @@ TEST(Kkt, StepSerialChangesWithTheStepAndOnlyThen) {
 
 TEST(Forces, AreExternalMinusDragPlusTransposeTimesLambda) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const Scene scene = mixed_scene(seed);
+    const TestScene scene = mixed_scene(seed);
     const System& s = scene.system;
     const DenseRows rows = dense_rows(s, scene.state.q);
     VectorXd lambda = VectorXd::Zero(s.rows), expected, forces, undamped;
@@ -252,7 +282,7 @@ TEST(Forces, AreExternalMinusDragPlusTransposeTimesLambda) {
 }
 
 TEST(Forces, ExternalOnesAreZeroWhereMasked) {
-  Scene scene = mixed_scene(1, {.user_force = false});
+  TestScene scene = mixed_scene(1, {.user_force = false});
   scene.system.forces.user =
       quartic_bond(0, 7, 1.0);  // pulls at the world point and at the bead in the plane
   VectorXd f;
@@ -263,7 +293,7 @@ TEST(Forces, ExternalOnesAreZeroWhereMasked) {
 
 TEST(Forces, RigidRowsPullNothing) {
   // evaluate_forces knows only the finite rows: a rod and a rigid angle leave it as it is
-  const Scene without = mixed_scene(1, {.rods = false}),
+  const TestScene without = mixed_scene(1, {.rods = false}),
               with = mixed_scene(1, {.rods = true, .hard_angle = true});
   VectorXd f, g;
   ASSERT_TRUE(evaluate_forces(without.system, without.state, f).ok());
@@ -274,7 +304,7 @@ TEST(Forces, RigidRowsPullNothing) {
 }
 
 TEST(Forces, AgreeOnEveryKernel) {
-  const Scene scene = mixed_scene(8);
+  const TestScene scene = mixed_scene(8);
   VectorXd reference;
   {
     const KernelChoice choice("scalar");
@@ -306,7 +336,7 @@ TEST(ZeroRestLength, ForceIsThatOfHalfStiffnessTimesDistanceSquared) {
 }
 
 TEST(Kkt, RefillDoesNotAllocate) {
-  const Scene scene = mixed_scene(1, {.hard_angle = true, .user_force = false});
+  const TestScene scene = mixed_scene(1, {.hard_angle = true, .user_force = false});
   const System& s = scene.system;
   long before = allocations();
   Kkt kkt;

@@ -17,7 +17,7 @@ struct Outcome {
   VectorXd u, phi, f;
 };
 
-Outcome outcome_of(const Scene& scene) {
+Outcome outcome_of(const TestScene& scene) {
   Kkt kkt;
   kkt.prepare(scene.system);
   kkt.set_step(0.01, 0.1);
@@ -38,7 +38,7 @@ void expect_failure(const Status& status, StatusCode code, const std::string& pa
 }
 
 /// A chain of 20 nodes (runs of 8) with a few long springs (gathered).
-Scene chain_and_net() {
+TestScene chain_and_net() {
   SystemBuilder builder;
   for (int i = 0; i < 20; ++i) builder.add_particle(1.0, {1.0 * i, 0.1 * (i % 3), 0.0}, {0.0, 0.0, 0.1 * i});
   for (int i = 0; i < 19; ++i) builder.add_distance({i}, {i + 1}, {10.0, 0.1}, 0.8);
@@ -57,7 +57,7 @@ class DegenerateRow : public testing::TestWithParam<std::string> {
 
 TEST_P(DegenerateRow, CoincidentPointsAreReportedWithTheRowsName) {
   for (int i = 0; i < 19; ++i) {
-    Scene scene = chain_and_net();
+    TestScene scene = chain_and_net();
     scene.state.q.segment<3>(3 * i) = scene.state.q.segment<3>(3 * i + 3);
     const std::string name = "distance row " + std::to_string(i) + " (nodes " + std::to_string(i) + ", " +
                              std::to_string(i + 1) + ")";
@@ -70,7 +70,7 @@ TEST_P(DegenerateRow, CoincidentPointsAreReportedWithTheRowsName) {
 }
 
 TEST_P(DegenerateRow, CoincidentPointsWithoutARowAreNoFault) {
-  Scene scene = chain_and_net();
+  TestScene scene = chain_and_net();
   scene.state.q.segment<3>(3 * 3) = scene.state.q.segment<3>(3 * 17);
   scene.state.q.segment<3>(0) = scene.state.q.segment<3>(3 * 19);  // the nodes of the padding
   const Outcome out = outcome_of(scene);
@@ -131,7 +131,7 @@ TEST_P(DegenerateRow, PositionsThatAreNotFiniteAreReportedWithARowThatHoldsThem)
   for (double bad : {std::nan(""), kRigid, -kRigid}) {
     int reported = 0;
     for (int i = 0; i < 20; ++i) {
-      Scene scene = chain_and_net();
+      TestScene scene = chain_and_net();
       scene.state.q[3 * i + i % 3] = bad;
       const Outcome out = outcome_of(scene);
       for (const Status& status : {out.evaluate, out.forces, out.undamped})
@@ -142,7 +142,7 @@ TEST_P(DegenerateRow, PositionsThatAreNotFiniteAreReportedWithARowThatHoldsThem)
 }
 
 TEST_P(DegenerateRow, LengthsThatOverflowAreReported) {
-  Scene scene = chain_and_net();
+  TestScene scene = chain_and_net();
   scene.state.q[3 * 19] = 1e200;
   expect_failure(outcome_of(scene).evaluate, StatusCode::kNonFinite, "nodes 18, 19", "evaluate");
 }
@@ -179,7 +179,7 @@ TEST_P(DegenerateRow, ANodeWithoutRowsDoesNotSpoilOthersThroughThePadding) {
 }
 
 TEST_P(DegenerateRow, VelocitiesThatAreNotFiniteMakeDampedForcesThatShowIt) {
-  Scene scene = chain_and_net();
+  TestScene scene = chain_and_net();
   scene.state.v[3 * 7] = std::nan("");
   const Outcome out = outcome_of(scene);
   EXPECT_TRUE(!out.forces.ok() || !out.f.allFinite());

@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 constexpr double kSigma = 0.04, kRho = 0.2;
 
 struct Problem {
-  Scene scene;
+  TestScene scene;
   Kkt kkt;
   MatrixXd Mt, J, gamma;
   VectorXd v, y;  ///< some point, v = 0 where masked

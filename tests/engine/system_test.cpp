@@ -202,7 +202,7 @@ TEST(SystemBuilder, TakesTheRestLengthFromThePlacedNodesIfNoneIsGiven) {
 }
 
 TEST(System, MaskedCoordinatesHaveNoInverseMassAndNoForce) {
-  const Scene scene = mixed_scene(1);
+  const TestScene scene = mixed_scene(1);
   const System& s = scene.system;
   EXPECT_EQ(s.masked.size(), 3u + 2u + 1u);  // world point, rail, plane
   EXPECT_EQ(s.free_count, 36 - 6);
@@ -220,7 +220,7 @@ TEST(System, MaskedCoordinatesHaveNoInverseMassAndNoForce) {
 }
 
 TEST(System, GravityAndConstantForcesAddUp) {
-  const Scene scene = mixed_scene(1);
+  const TestScene scene = mixed_scene(1);
   const System& s = scene.system;
   const Vector3d weight = s.mass[5] * Vector3d(0.1, -9.81, 0.3);
   EXPECT_TRUE(Vector3d(s.forces.constant.segment<3>(15)).isApprox(weight + Vector3d(1, 2, 3), 1e-15));
@@ -278,7 +278,7 @@ TEST(System, NamesEveryScalarRowOfABendingElement) {
 }
 
 TEST(System, CountsItsRows) {
-  const Scene scene = mixed_scene(1);
+  const TestScene scene = mixed_scene(1);
   const System& s = scene.system;
   EXPECT_EQ(s.rows, s.distance.size() + 2 * 3 + 3);
   EXPECT_EQ(s.active_rows,
@@ -286,7 +286,7 @@ TEST(System, CountsItsRows) {
   EXPECT_EQ(static_cast<int>(s.inactive_distance.size()), s.distance.size() - 16);
   EXPECT_TRUE(s.has_hard_rows);
   EXPECT_TRUE(s.has_damping);
-  const Scene plain = mixed_scene(1, {.rods = false, .damping = false});
+  const TestScene plain = mixed_scene(1, {.rods = false, .damping = false});
   EXPECT_FALSE(plain.system.has_hard_rows);
   EXPECT_FALSE(plain.system.has_damping);  // a damped row of stiffness 0 is not damped
 }

@@ -34,7 +34,7 @@ const char* name(IdaForm form) {
 }
 
 // Bead on a rail: m = 1 kg, d = 100 N/m, so omega = 10 rad/s; amplitude 0.1 m.
-Scene oscillator(double damping_time) {
+TestScene oscillator(double damping_time) {
   SystemBuilder builder;
   const Anchor wall = builder.add_world_point({0, 0, 0});
   builder.add_distance(wall, builder.add_particle(1.0, {1.1, 0, 0}, Vector3d::Zero(), kRail),
@@ -44,7 +44,7 @@ Scene oscillator(double damping_time) {
 }
 
 // Rod or spring pendulum of 1 m and 1 kg, released at rest from the horizontal.
-Scene pendulum(double stiffness) {
+TestScene pendulum(double stiffness) {
   SystemBuilder builder;
   const Anchor pivot = builder.add_world_point({0, 0, 0});
   builder.add_distance(pivot, builder.add_particle(1.0, {1, 0, 0}), {stiffness});
@@ -160,7 +160,7 @@ TEST(IdaReference, LandsOnTheEndTimeAndLeavesMaskedCoordinatesAlone) {
 }
 
 TEST(IdaReference, AutomaticFormFollowsTheStiffness) {
-  const Scene soft = pendulum(1e4), stiff = pendulum(1e10);
+  const TestScene soft = pendulum(1e4), stiff = pendulum(1e10);
   EXPECT_EQ(ida_solve(soft.system, soft.state, 0.1, {}).form, "ode");
   EXPECT_EQ(ida_solve(stiff.system, stiff.state, 2.0, {}).form, "compliance");
 }
@@ -195,7 +195,7 @@ TEST(IdaReference, RefusesWhatIsNotFinite) {
   EXPECT_EQ(ida_solve(system, state, 1.0, {}).status.code, StatusCode::kRefused);
 }
 
-Scene falling_with_force(std::function<double(double)> force) {
+TestScene falling_with_force(std::function<double(double)> force) {
   SystemBuilder builder;
   builder.add_particle(1.0, {0, 0, 0});
   UserForce user;

@@ -39,7 +39,7 @@ struct Numbers {
          push = 1.0, rest_angle = 1.0, end = 0.4;
 };
 
-Scene two_links(const Numbers& n) {
+TestScene two_links(const Numbers& n) {
   SystemBuilder builder;
   const Anchor a = builder.add_world_point({0, 0, 0}),
                b = builder.add_particle(n.mass, {n.x, 0, 0}, {0, n.v, 0}),

@@ -197,7 +197,7 @@ TEST(NotesStepLimit, IsInfiniteWhereKmDominates) {
 // ------------------------------------------------------------------------------------------------------------
 
 // n beads between two walls, spring rest length `rest` at spacing 1 m.
-Scene chain(int n, double d, double m, double rest, FreeMask free, double tau = 0.0, double drag = 0.0) {
+TestScene chain(int n, double d, double m, double rest, FreeMask free, double tau = 0.0, double drag = 0.0) {
   SystemBuilder builder;
   std::vector<Anchor> at{builder.add_world_point({0, 0, 0})};
   for (int i = 1; i <= n; ++i) at.push_back(builder.add_particle(m, {1.0 * i, 0, 0}, Vector3d::Zero(), free));
@@ -273,7 +273,7 @@ TEST(StabilityLimit, LeapfrogIsSharpWithUnevenDampingAndStress) {
 }
 
 using SystemLimit = StabilityLimit (*)(const System&, const State&);
-void expect_sharp(SystemLimit limit, Step step, const Scene& scene) {
+void expect_sharp(SystemLimit limit, Step step, const TestScene& scene) {
   const Linear linear = linearise(scene.system, scene.state);
   const StabilityLimit predicted = limit(scene.system, scene.state);
   ASSERT_TRUE(predicted.dt > 0.0 && std::isfinite(predicted.dt)) << predicted.why;
@@ -291,7 +291,7 @@ TEST(StabilityLimit, ExplicitEulerIsSharpWhereDampingDiagonalises) {
 }
 
 TEST(StabilityLimit, ExplicitEulerIsSharpOnTheCompanionMatrix) {
-  const Scene scene = chain(5, 100.0, 0.3, 0.8, kFree, 0.03, 0.2);
+  const TestScene scene = chain(5, 100.0, 0.3, 0.8, kFree, 0.03, 0.2);
   expect_sharp(stability_limit_explicit_euler, explicit_euler_step, scene);
   EXPECT_NE(stability_limit_explicit_euler(scene.system, scene.state).why.find("companion"),
             std::string::npos);
@@ -304,7 +304,7 @@ TEST(StabilityLimit, Rk4IsSharpInBothCases) {
 }
 
 TEST(StabilityLimit, HeavyDragMakesTheSlowestModeDecide) {
-  const Scene scene = chain(5, 100.0, 0.3, 1.0, FreeMask{1}, 0.0, 30.0);
+  const TestScene scene = chain(5, 100.0, 0.3, 1.0, FreeMask{1}, 0.0, 30.0);
   expect_sharp(stability_limit_explicit_euler, explicit_euler_step, scene);
   EXPECT_NE(stability_limit_explicit_euler(scene.system, scene.state).why.find("slowest"), std::string::npos);
 }
@@ -341,9 +341,9 @@ TEST(StabilityLimit, NotesStepHasNoneOnAnUnstressedOrCompressedChain) {
 }
 
 TEST(StabilityLimit, NotesStepCountsDragAndDampedRows) {
-  const Scene scene = chain(6, 100.0, 0.3, 0.6, kFree, 0.02, 0.5);
+  const TestScene scene = chain(6, 100.0, 0.3, 0.6, kFree, 0.02, 0.5);
   const Linear linear = linearise(scene.system, scene.state);
-  const Scene slack = chain(6, 100.0, 0.3, 1.0, kFree);
+  const TestScene slack = chain(6, 100.0, 0.3, 1.0, kFree);
   const MatrixXd Km = linearise(slack.system, slack.state).K, E = MatrixXd::Identity(Km.rows(), Km.cols());
   const double dt = stability_limit_notes_step(scene.system, scene.state).dt;
   EXPECT_LE(spectral_radius(notes_step(E, Km, linear.K - Km, linear.C, 0.999 * dt)), 1.0 + 1e-7);

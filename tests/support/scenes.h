@@ -33,7 +33,7 @@ inline UserForce quartic_bond(int i, int j, double c) {
   return user;
 }
 
-struct Scene {
+struct TestScene {
   System system;
   State state;
 };
@@ -49,7 +49,7 @@ struct SceneParts {
 /// Twelve nodes along a wavy line: a world point, a bead on a rail, a bead in a plane, free particles;
 /// springs (stretched, compressed, doubled, of zero rest length, switched off), rods, bending, gravity, drag,
 /// a constant and a user force.
-inline Scene mixed_scene(std::uint64_t seed, const SceneParts& parts = {}) {
+inline TestScene mixed_scene(std::uint64_t seed, const SceneParts& parts = {}) {
   Random random(seed);
   SystemBuilder builder;
   auto tau = [&](double value) { return parts.damping ? value : 0.0; };
