@@ -8,16 +8,6 @@
 namespace feder::experiments {
 namespace {
 
-void append_field(std::string& line, const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) {
-    line += text;
-    return;
-  }
-  line += '"';
-  for (const char c : text) line.append(c == '"' ? 2 : 1, c);
-  line += '"';
-}
-
 template <typename Keep>
 std::string csv_of_columns(const Table& table, Keep&& keep) {
   std::vector<std::string> columns;
@@ -28,7 +18,7 @@ std::string csv_of_columns(const Table& table, Keep&& keep) {
   const auto append_line = [&](auto&& field) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       if (i > 0) text += ',';
-      append_field(text, field(columns[i]));
+      text += csv_field(field(columns[i]));
     }
     text += '\n';
   };
@@ -113,6 +103,13 @@ class Reader {
 };
 
 }  // namespace
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) field.append(c == '"' ? 2 : 1, c);
+  return field + '"';
+}
 
 std::string to_csv(const Table& table) {
   return csv_of_columns(table, [](const std::string&) { return true; });

@@ -17,6 +17,19 @@ class IoError : public std::runtime_error {
 /// all of the new text, never a part of it. Throws IoError.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
+/// The same without waiting for the disk: whole or old for every reader, but after a power cut only once
+/// sync_file(path) and sync_folder have returned. Throws IoError.
+void write_file_unsynced(const std::filesystem::path& path, std::string_view text);
+
+/// Waits until the file is on disk. Throws IoError.
+void sync_file(const std::filesystem::path& path);
+
+/// Waits until the names in a folder are on disk, where the file system offers that.
+void sync_folder(const std::filesystem::path& folder);
+
+/// Replaces `to` if it exists. Throws IoError.
+void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// Makes a file that another program wrote under `temporary` durable and moves it to `path`. Throws IoError.
 void commit_file(const std::filesystem::path& temporary, const std::filesystem::path& path);
 

@@ -63,6 +63,8 @@ class Table {
   std::vector<std::vector<Cell>> rows_;
 };
 
+/// One field of CSV text, in quotes where RFC 4180 asks for them.
+std::string csv_field(const std::string& text);
 /// RFC 4180: header line, 17 significant digits, quotes where needed, lines end in a single line feed.
 std::string to_csv(const Table& table);
 /// Reads CSV text; numbers become number cells. `place` names the source in an InputError (row and column

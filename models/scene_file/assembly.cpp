@@ -1,0 +1,149 @@
+#include "models/scene_file/assembly.h"
+
+#include <algorithm>
+
+namespace feder {
+namespace {
+
+// What a message calls the kinds of names.
+const char* called(SceneNode::Kind kind) {
+  switch (kind) {
+    case SceneNode::Kind::kParticle: return "particle";
+    case SceneNode::Kind::kPoint: return "point";
+    case SceneNode::Kind::kBody: return "body";
+  }
+  return "";
+}
+
+}  // namespace
+
+Assembly::Assembly(const Document& document, const AssemblyLimits& limits, Diagnostics& problems)
+    : document_(document), limits_(limits), problems_(problems) {}
+
+void Assembly::tell(const Entry& entry, Place place, const std::string& message) {
+  problems_.add(place, entry.label + ": " + message);
+}
+
+bool Assembly::claim(const Entry& entry, const Reference& name) {
+  if (!name.given) return false;  // its absence has been told
+  if (name.value == "world") {
+    tell(entry, name.place, "name = 'world', expected another name: this one stands for the world");
+    return false;
+  }
+  const auto [at, fresh] = claimed_.emplace(name.value, name.place);
+  if (!fresh)
+    tell(entry, name.place,
+         "name = " + quoted(name.value) + ", expected a name that is not taken; it is used in line " +
+             std::to_string(at->second.line));
+  return fresh;
+}
+
+int Assembly::group(const std::string& name) {
+  const auto [at, fresh] = names_.emplace(name, Named{Kind::kGroup, {}, static_cast<int>(scene_.groups.size())});
+  if (fresh) scene_.groups.push_back({name, {}});
+  return at->second.kind == Kind::kGroup ? at->second.index : -1;
+}
+
+void Assembly::name_node(const Entry& entry, const std::string& name, SceneNode::Kind kind, const Anchor& anchor,
+                         const Reference& group_name) {
+  const int index = static_cast<int>(scene_.nodes.size());
+  scene_.nodes.push_back({name, kind, anchor.node, anchor.body});
+  const Kind named = kind == SceneNode::Kind::kBody    ? Kind::kBody
+                     : kind == SceneNode::Kind::kPoint ? Kind::kPoint
+                                                       : Kind::kParticle;
+  names_[name] = {named, anchor, index};
+  if (!group_name.given) return;
+  const int at = claimed_.count(group_name.value) ? -1 : group(group_name.value);
+  if (at < 0)
+    tell(entry, group_name.place, "group = " + quoted(group_name.value) + ", expected a name that no entry has");
+  else
+    scene_.groups[static_cast<std::size_t>(at)].members.push_back(index);
+}
+
+const Assembly::Named* Assembly::look_up(const Entry& entry, const Reference& name,
+                                         const std::vector<Kind>& kinds, const char* expectation) {
+  if (!name.given) return nullptr;
+  const auto found = names_.find(name.value);
+  if (found == names_.end()) {
+    std::vector<std::string> known;
+    for (const auto& [other, named] : names_)
+      if (std::find(kinds.begin(), kinds.end(), named.kind) != kinds.end()) known.push_back(other);
+    tell(entry, name.place,
+         quoted(name.value) + " is no name of this scene, expected " + expectation +
+             (known.empty() ? "" : "; did you mean '" + nearest(name.value, known) + "'?"));
+    return nullptr;
+  }
+  if (found->second.kind == Kind::kBroken) return nullptr;
+  if (std::find(kinds.begin(), kinds.end(), found->second.kind) == kinds.end()) {
+    const Named& named = found->second;
+    tell(entry, name.place,
+         quoted(name.value) + " is a " +
+             (named.kind == Kind::kGroup ? "group" : called(scene_.nodes[static_cast<std::size_t>(named.index)].kind)) +
+             ", expected " + expectation);
+    return nullptr;
+  }
+  return &found->second;
+}
+
+Vector3d Assembly::place_of(const Anchor& anchor) const {
+  if (anchor.body < 0) return places_[static_cast<std::size_t>(anchor.node)];
+  const Pose& pose = poses_[static_cast<std::size_t>(anchor.body)];
+  return pose.position + pose.axes * anchor.point;
+}
+
+void Assembly::record(const Entry& entry, const Reference& name, const std::vector<int>& ids,
+                      const std::vector<std::string>& types, const std::vector<Anchor>& nodes) {
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    rows_.push_back({{name.given ? name.value : entry.label, types[i], 0, 1, nodes}, ids[i]});
+}
+
+Scene Assembly::build() {
+  for (const MaterialEntry& material : document_.materials)
+    if (material.name.given && !materials_.emplace(material.name.value, &material).second)
+      tell(material, material.name.place,
+           "name = " + quoted(material.name.value) + ", expected a name that no other material has");
+  builder_.set_gravity(document_.gravity);
+  builder_.set_drag(document_.drag);
+  add_points();
+  add_particles();
+  add_chains();
+  add_cloths();
+  add_lattices();
+  add_bodies();
+  add_nets();
+
+  add_springs();
+  add_law_springs();
+  add_bendings();
+  add_joints();
+  add_turns();
+  add_slides();
+  add_perpendiculars();
+  add_forces();
+  add_torques();
+
+  if (scene_.nodes.empty() && problems_.empty())
+    tell(document_, document_.place, "it holds nothing, expected particles, bodies, or a model");
+  if (!problems_.empty()) return {};
+  attempt(document_, [&] {
+    auto [system, state] = builder_.build();
+    close(scene_, system);
+    scene_.model.system = std::move(system);
+    scene_.model.state = std::move(state);
+  });
+  return std::move(scene_);
+}
+
+// What is known only of the finished system: centres of bodies, rows.
+void Assembly::close(Scene& scene, const System& system) const {
+  for (SceneNode& node : scene.nodes)
+    if (node.body >= 0) node.node = system.bodies[static_cast<std::size_t>(node.body)].centre;
+  for (const Recorded& recorded : rows_) {
+    scene.rows.push_back(recorded.row);
+    SceneRow& row = scene.rows.back();
+    row.first_row = system.row_of_id[static_cast<std::size_t>(recorded.id)];
+    row.rows = row.type.starts_with("ball") || row.type.starts_with("curvature") ? 3 : 1;
+  }
+}
+
+}  // namespace feder

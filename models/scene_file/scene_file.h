@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "models/scene_file/entries.h"
+#include "models/scene_file/scene.h"
+
+namespace feder {
+
+/// How a scene file is read.
+struct SceneOptions {
+  std::vector<std::string> changes = {};  ///< of --set: "spring.rope.stiffness=1e5", applied before checking
+  std::vector<std::string> others = {"method", "output"};  ///< tables left to the caller
+  bool quick = false;                                      ///< end at quick_end_time where the file has one
+  bool allow_outside = false;                              ///< mesh files may lie outside the scene's folder
+  double most_nodes = kMaxNodes, most_rows = kMaxRows;
+};
+
+/// A scene and what its file says beside the physics.
+struct SceneFile {
+  Scene scene;
+  std::string title;
+  Value root;  ///< the whole file, changes applied; the caller reads its own tables from it
+};
+
+/// Reads a scene. Throws SceneError (an InputError) with every problem found, one line each: "file:line:column:
+/// what = value, expected ...", at most 20; InputError where the file cannot be read. Nothing is allocated
+/// in proportion to a count before it is checked.
+SceneFile read_scene(const std::filesystem::path& file, const SceneOptions& options = {});
+/// The same from text; `name` stands for the file in messages, `folder` is where mesh files are looked for.
+SceneFile read_scene_text(const std::string& text, const std::string& name, const std::filesystem::path& folder,
+                          const SceneOptions& options = {});
+
+/// The reference page: every table and key with unit, default and meaning, as Markdown. `others` are the
+/// caller's tables.
+std::string scene_reference(const std::vector<TableInfo>& others);
+
+}  // namespace feder
