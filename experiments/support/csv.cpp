@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
 #include "engine/check.h"
 #include "experiments/support/files.h"
+#include "experiments/support/hash.h"
 #include "experiments/support/table.h"
 
 namespace feder::experiments {
@@ -119,7 +121,12 @@ Table from_csv(std::string_view text, const std::string& place) {
   Reader reader(text, place);
   if (!reader.more()) throw InputError(place + ": empty, expected a header line");
   std::vector<std::string> columns;
-  for (const Cell& cell : reader.record()) columns.push_back(cell.text());
+  for (const Cell& cell : reader.record()) {
+    const std::string name = cell.text();
+    if (std::find(columns.begin(), columns.end(), name) != columns.end())
+      reader.fail("the column '" + name + "' appears twice");
+    columns.push_back(name);
+  }
   Table table(columns);
   while (reader.more()) {
     const std::vector<Cell> cells = reader.record();
@@ -140,11 +147,7 @@ void write_csv(const Table& table, const std::filesystem::path& path) {
 std::string results_hash(const Table& table) {
   const std::string text =
       csv_of_columns(table, [](const std::string& name) { return !name.starts_with("seconds"); });
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  std::string digits(16, '0');
-  for (std::size_t i = 0; i < 16; ++i) digits[15 - i] = "0123456789abcdef"[(hash >> (4 * i)) & 15];
-  return digits;
+  return text_hash(text);
 }
 
 }  // namespace feder::experiments

@@ -2,56 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <cfenv>
-#include <clocale>
 #include <cstdio>
-#include <locale>
-#include <new>
 
-#include "engine/check.h"
 #include "experiments/support/files.h"
-#include "experiments/support/interrupt.h"
 #include "experiments/support/manifest.h"
 #include "experiments/support/options.h"
+#include "experiments/support/program.h"
 #include "experiments/support/timing.h"
 #include "solvers/threads.h"
 
 namespace feder::experiments {
 namespace {
-
-/// Exit code with the words that go with it. `status` also takes "bad_input" and "internal_error".
-struct Ending {
-  int code = 0;
-  std::string status = "ok";
-  std::string reason = {};
-};
-
-Ending ending_of(const Status& status) {
-  return {exit_code(status.code), to_string(status.code), status.reason};
-}
-
-/// The one place where exceptions become exit codes.
-template <typename Action>
-Ending guarded(Action&& action) {
-  try {
-    return action();
-  } catch (const InputError& error) {
-    return {2, "bad_input", error.what()};
-  } catch (const IoError& error) {
-    return ending_of(Status::failure(StatusCode::kIoError, error.what()));
-  } catch (const std::bad_alloc&) {
-    return ending_of(Status::failure(StatusCode::kOutOfMemory, "out of memory"));
-  } catch (const std::exception& error) {
-    return {1, "internal_error", error.what()};
-  }
-}
-
-void fix_environment() {
-  std::setlocale(LC_ALL, "C");
-  std::locale::global(std::locale::classic());
-  std::fesetround(FE_TONEAREST);
-  watch_interrupts();
-}
 
 Ending run_body(Context& context, const std::function<void(Context&)>& body) {
   Ending ending = guarded([&] {
@@ -123,11 +84,7 @@ int run_experiment(const ExperimentInfo& info, int argc, char** argv,
                    const std::function<void(Context&)>& body) {
   restart_with_better_blas(argv);
   fix_environment();
-  const Ending ending = guarded([&] { return run_command_line(info, argc, argv, body); });
-  if (ending.code != 0) {
-    std::fputs(fmt::format("{}: {}: {}\n", info.name, ending.status, ending.reason).c_str(), stderr);
-  }
-  return ending.code;
+  return report(info.name, guarded([&] { return run_command_line(info, argc, argv, body); }));
 }
 
 }  // namespace feder::experiments

@@ -3,26 +3,16 @@
 #include <fmt/chrono.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "experiments/support/build_info.h"
+#include "experiments/support/manifest_parts.h"
 #include "solvers/threads.h"
 
 namespace feder::experiments {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json build_json() {
-  const BuildInfo build = build_info();
-  return {{"version", build.version},   {"commit", build.commit},        {"local_changes", build.dirty},
-          {"compiler", build.compiler}, {"compiler_flags", build.flags}, {"build_type", build.build_type}};
-}
-
-Json machine_json(int threads) {
-  return {
-      {"cpu", cpu_model()}, {"threads", threads}, {"blas", blas_name()}, {"libraries", library_versions()}};
-}
+namespace {
 
 Json options_json(const Options& options, const Context& context) {
   return {{"preset", options.preset},
@@ -47,6 +37,17 @@ Json extra_tables_json(const Context& context) {
 }
 
 }  // namespace
+
+Json build_json() {
+  const BuildInfo build = build_info();
+  return {{"version", build.version},   {"commit", build.commit},        {"local_changes", build.dirty},
+          {"compiler", build.compiler}, {"compiler_flags", build.flags}, {"build_type", build.build_type}};
+}
+
+Json machine_json(int threads) {
+  return {
+      {"cpu", cpu_model()}, {"threads", threads}, {"blas", blas_name()}, {"libraries", library_versions()}};
+}
 
 std::string manifest_json(const ExperimentInfo& info, const Options& options, const Context& context,
                           const Outcome& outcome) {

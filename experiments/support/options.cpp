@@ -3,21 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 
-#include "engine/check.h"
-#include "experiments/support/build_info.h"
+#include "experiments/support/command_line.h"
 
 namespace feder::experiments {
 namespace {
-
-constexpr int kMostThreads = 1024;
-
-std::string version_line(const ExperimentInfo& info) {
-  const BuildInfo build = build_info();
-  return fmt::format("feder {} {} (commit {}{})", info.name, build.version, build.commit,
-                     build.dirty == "yes" ? ", with local changes" : "");
-}
 
 std::string settings_help(const ExperimentInfo& info) {
   std::string text = "Settings for --set, with their value in the presets:\n";
@@ -27,15 +17,10 @@ std::string settings_help(const ExperimentInfo& info) {
     if (!setting.choices.empty())
       text += fmt::format("  {:<16} words: {}\n", "", fmt::join(setting.choices, ", "));
   }
-  return text + "Lists are a,b,c; number lists may be logarithmic grids lo:hi:count.\n\nDoes not model: " +
-         info.not_modelled +
-         "\n\nExit codes: 0 done, 1 internal error, 2 bad input, 3 numerical failure, 4 input/output,\n"
-         "5 out of memory or limit, 130 interrupted.";
-}
-
-void print(const std::string& text) {
-  std::fputs((text + "\n").c_str(), stdout);
-  std::fflush(stdout);
+  return text +
+         "Lists are a,b,c; number lists may be grids lo:hi:count (logarithmic) or lo:hi:count:lin.\n\nDoes "
+         "not model: " +
+         info.not_modelled + "\n\n" + kExitCodes;
 }
 
 }  // namespace
@@ -45,7 +30,6 @@ std::optional<Options> parse_options(const ExperimentInfo& info, int argc, char*
   options.out = "results/" + info.name;
   CLI::App app(info.question, info.name);
   app.footer(settings_help(info));
-  app.set_version_flag("--version", version_line(info), "Print version and commit");
   app.add_flag("--list", options.list, "List the cases");
   app.add_flag("--dry-run", options.dry_run, "Print the resolved options and the cases, run nothing");
   app.add_option("--preset", options.preset, "quick (seconds) or full")->capture_default_str();
@@ -59,17 +43,7 @@ std::optional<Options> parse_options(const ExperimentInfo& info, int argc, char*
       ->capture_default_str()
       ->check(CLI::Range(1, kMostThreads));
   app.add_flag("--quiet", options.quiet, "Print errors only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    print(app.help());
-    return std::nullopt;
-  } catch (const CLI::CallForVersion&) {
-    print(version_line(info));
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw InputError(std::string(error.what()) + " (see --help)");
-  }
+  if (!parse_command_line(app, argc, argv)) return std::nullopt;
   return options;
 }
 

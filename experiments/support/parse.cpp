@@ -14,6 +14,8 @@ namespace feder::experiments {
 namespace {
 
 constexpr std::int64_t kLargestGrid = 100000;
+constexpr std::string_view kOpening = "([{";
+constexpr std::string_view kClosing = ")]}";
 
 [[noreturn]] void fail(const std::string& place, std::string_view text, const std::string& expected) {
   throw InputError(fmt::format("{}: got '{}', expected {}", place, text, expected));
@@ -28,13 +30,14 @@ std::optional<Number> read_whole(std::string_view text) {
   return value;
 }
 
-// Separators inside brackets do not count: "chain,S3b(30,10)" is two words.
+// Separators inside brackets do not count: "chain,S3b(30,10)" is two words, "[0,0,1],[1,0,0]" too.
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   std::size_t begin = 0;
   int depth = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    depth += (text[i] == '(') - (text[i] == ')');
+    if (kOpening.find(text[i]) != kOpening.npos) ++depth;
+    if (kClosing.find(text[i]) != kClosing.npos) --depth;
     if (text[i] != separator || depth > 0) continue;
     parts.push_back(text.substr(begin, i - begin));
     begin = i + 1;
@@ -43,23 +46,29 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   return parts;
 }
 
-/// lo:hi:count with both ends exact and a constant ratio between neighbours.
-std::vector<double> log_grid(const std::string& place, std::string_view text) {
+/// lo:hi:count with both ends exact and a constant ratio between neighbours; lo:hi:count:lin with a constant
+/// difference.
+std::vector<double> number_grid(const std::string& place, std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ':');
-  const char* expected = "a logarithmic grid lo:hi:count with lo > 0, hi > 0 and 2 <= count <= 100000";
-  if (parts.size() != 3) fail(place, text, expected);
+  const bool linear = parts.size() == 4 && parts[3] == "lin";
+  const char* expected =
+      "a logarithmic grid lo:hi:count with lo > 0, hi > 0 and 2 <= count <= 100000, or a linear one "
+      "lo:hi:count:lin";
+  if (parts.size() != 3 && !linear) fail(place, text, expected);
   const std::optional<double> lo = read_whole<double>(parts[0]);
   const std::optional<double> hi = read_whole<double>(parts[1]);
   const std::optional<std::int64_t> count = read_whole<std::int64_t>(parts[2]);
-  const auto positive = [](const std::optional<double>& x) { return x && std::isfinite(*x) && *x > 0; };
-  if (!positive(lo) || !positive(hi) || !count || *count < 2 || *count > kLargestGrid)
-    fail(place, text, expected);
+  const auto fits = [&](const std::optional<double>& x) {
+    return x && std::isfinite(*x) && (linear || *x > 0);
+  };
+  if (!fits(lo) || !fits(hi) || !count || *count < 2 || *count > kLargestGrid) fail(place, text, expected);
   std::vector<double> grid(static_cast<std::size_t>(*count));
-  const long double from = std::log10(*lo), to = std::log10(*hi);
+  const long double from = linear ? *lo : std::log10(*lo), to = linear ? *hi : std::log10(*hi);
   for (std::size_t i = 0; i < grid.size(); ++i) {
+    const long double at =
+        std::lerp(from, to, static_cast<long double>(i) / static_cast<long double>(grid.size() - 1));
     // base 10, powers in extended precision: decades come out exactly
-    const long double fraction = static_cast<long double>(i) / static_cast<long double>(grid.size() - 1);
-    grid[i] = static_cast<double>(std::pow(10.0L, std::lerp(from, to, fraction)));
+    grid[i] = static_cast<double>(linear ? at : std::pow(10.0L, at));
   }
   grid.front() = *lo;
   grid.back() = *hi;
@@ -81,12 +90,12 @@ std::int64_t parse_integer(const std::string& place, std::string_view text) {
 }
 
 std::vector<double> parse_numbers(const std::string& place, std::string_view text) {
-  if (text.find(':') != std::string_view::npos) return log_grid(place, text);
+  if (text.find(':') != std::string_view::npos) return number_grid(place, text);
   std::vector<double> values;
   for (const std::string_view part : split(text, ',')) {
     const std::optional<double> value = read_whole<double>(part);
     if (!value || !std::isfinite(*value))
-      fail(place, text, "finite numbers a,b,c or a logarithmic grid lo:hi:count");
+      fail(place, text, "finite numbers a,b,c or a grid lo:hi:count or lo:hi:count:lin");
     values.push_back(*value);
   }
   return values;

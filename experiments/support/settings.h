@@ -8,7 +8,8 @@
 
 namespace feder::experiments {
 
-/// What `--set key=value` accepts. Lists: "0.1,0.05" or, for numbers, the logarithmic grid "lo:hi:count".
+/// What `--set key=value` accepts. Lists: "0.1,0.05" or, for numbers, the grids "lo:hi:count" (logarithmic)
+/// and "lo:hi:count:lin".
 enum class Kind { kNumber, kInteger, kText, kNumbers, kTexts };
 
 /// One setting of an experiment with its value in each preset.
