@@ -200,9 +200,10 @@ void SystemBuilder::add_law_spring(const LawSpring& spring) {
 }
 
 void SystemBuilder::add_constant_force(Anchor at, const Vector3d& force) {
-  const int node = require_node(at, "constant force");
-  for (int c = 0; c < 3; ++c) require_finite("constant force on " + place(node), "force", force[c], "N");
-  constant_.emplace_back(node, force);
+  const int id = require_anchor(at, "constant force");
+  const std::string where = "constant force on " + (at.body < 0 ? place(id) : "body " + std::to_string(id));
+  for (int c = 0; c < 3; ++c) require_finite(where, "force", force[c], "N");
+  constant_.emplace_back(at, force);
 }
 
 void SystemBuilder::add_constant_torque(Anchor at, const Vector3d& torque) {
@@ -344,9 +345,11 @@ SystemBuilder::Built SystemBuilder::build() const {
       s.forces.constant[3 * i + c] = s.mass[i] * gravity_[c];
       s.forces.drag[3 * i + c] = i < s.places() ? drag_ : 0.0;
     }
-  for (const auto& [node, force] : constant_)
+  for (const auto& [at, force] : constant_) {
+    const int node = at.body < 0 ? at.node : s.bodies[at.body].centre;
     for (int c = 0; c < 3; ++c)
-      if (nodes_[node].free >> c & 1) s.forces.constant[3 * node + c] += force[c];
+      if (s.free[node] >> c & 1) s.forces.constant[3 * node + c] += force[c];
+  }
 
   for (const std::vector<int>& stencil : user_.stencils)
     for (int node : stencil) (void)require_node({node}, "user force stencil");

@@ -141,6 +141,7 @@ class SystemBuilder {
   void set_gravity(const Vector3d& g) { gravity_ = g; }
   /// Force -coefficient v on every particle [kg/s].
   void set_drag(double coefficient) { drag_ = coefficient; }
+  /// On a body: at its centre of mass. In world axes [N].
   void add_constant_force(Anchor at, const Vector3d& force);
   /// On a body, in world axes [N m].
   void add_constant_torque(Anchor at, const Vector3d& torque);
@@ -181,7 +182,7 @@ class SystemBuilder {
   std::vector<DistanceRow> distance_;
   StencilRows stencil_rows_;
   std::vector<RowId> ids_;
-  std::vector<std::pair<int, Vector3d>> constant_;
+  std::vector<std::pair<Anchor, Vector3d>> constant_;
   std::vector<LawSpring> law_springs_;
   Vector3d gravity_ = Vector3d::Zero();
   double drag_ = 0.0;

@@ -4,7 +4,7 @@
 namespace feder {
 
 void Assembly::add_forces() {
-  std::vector<ForceField> fields;       // `nodes` of bodies are -1 - body until the system is known
+  std::vector<ForceField> fields;  // `nodes` of bodies are -1 - body until the system is known
   for (const ForceEntry& entry : document_.forces) {
     const Named* named = look_up(entry, entry.on.name, {Kind::kParticle, Kind::kBody, Kind::kGroup},
                                  "a particle, a body or a group");

@@ -36,10 +36,12 @@ bool Assembly::require_counts(const Entry& entry, double nodes, double rows) {
   return false;
 }
 
-bool Assembly::counts_of(const Entry& entry, const std::vector<double>& numbers, std::size_t wanted, Grid& grid) {
+bool Assembly::counts_of(const Entry& entry, const std::vector<double>& numbers, std::size_t wanted,
+                         Grid& grid) {
   if (numbers.size() != wanted) {
     if (!numbers.empty())
-      tell(entry, entry.place, "count has " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(wanted));
+      tell(entry, entry.place,
+           "count has " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(wanted));
     return false;
   }
   for (std::size_t d = 0; d < wanted; ++d) grid.count[d] = static_cast<int>(numbers[d]);
@@ -59,8 +61,9 @@ bool Assembly::add_grid(const Entry& entry, const Reference& name, double mass, 
       for (int j = 0; j < grid.count[1]; ++j)
         for (int k = 0; k < grid.count[2]; ++k) {
           const GridNode node = node_at(i, j, k);
-          grid.anchors.push_back(node.fixed ? add_point(node.position)
-                                            : add_particle(mass / total, node.position, Vector3d::Zero(), kFree));
+          grid.anchors.push_back(node.fixed
+                                     ? add_point(node.position)
+                                     : add_particle(mass / total, node.position, Vector3d::Zero(), kFree));
           members.push_back(static_cast<int>(scene_.nodes.size()));
           name_node(entry, indexed(name.value, {i, j, k}, grid.dimensions), SceneNode::Kind::kParticle,
                     grid.anchors.back(), {});
@@ -76,7 +79,8 @@ void Assembly::add_grid_springs(const Grid& grid, const std::array<int, 3>& step
       for (int k = 0; k < nk; ++k) {
         if (!inside(j + step[1], nj) || !inside(k + step[2], nk)) continue;
         const int from = grid.at(i, j, k), to = grid.at(i + step[0], j + step[1], k + step[2]);
-        const Anchor a = grid.anchors[static_cast<std::size_t>(from)], b = grid.anchors[static_cast<std::size_t>(to)];
+        const Anchor a = grid.anchors[static_cast<std::size_t>(from)],
+                     b = grid.anchors[static_cast<std::size_t>(to)];
         const double rest = (place_of(b) - place_of(a)).norm();
         const std::string& name_a = scene_.nodes[static_cast<std::size_t>(grid.first + from)].name;
         const std::string& name_b = scene_.nodes[static_cast<std::size_t>(grid.first + to)].name;
@@ -94,7 +98,8 @@ void Assembly::add_chains() {
     if (!require_counts(entry, n, n + bending)) continue;
     Grid grid{{entry.count, 1, 1}, 1};
     if (!add_grid(entry, entry.name, entry.mass, grid, [&](int i, int, int) {
-          const bool fixed = (i == 0 && has(entry.fixed, "first")) || (i == entry.count - 1 && has(entry.fixed, "last"));
+          const bool fixed =
+              (i == 0 && has(entry.fixed, "first")) || (i == entry.count - 1 && has(entry.fixed, "last"));
           return GridNode{entry.from + (i / (n - 1.0)) * (entry.to - entry.from), fixed};
         }))
       continue;
@@ -102,9 +107,12 @@ void Assembly::add_chains() {
       add_grid_springs(grid, {1, 0, 0}, m);
       if (!(entry.bending_stiffness > 0.0)) return;
       for (std::size_t i = 0; i + 2 < grid.anchors.size(); ++i) {
-        const std::vector<Anchor> over(grid.anchors.begin() + static_cast<long>(i), grid.anchors.begin() + static_cast<long>(i) + 3);
-        const int id = builder_.add(CurvatureRow{{over[0].node, over[1].node, over[2].node}, entry.bending_stiffness, m.damping_time});
-        rows_.push_back({{scene_.nodes[static_cast<std::size_t>(grid.first) + i + 1].name, "curvature", 0, 3, over}, id});
+        const std::vector<Anchor> over(grid.anchors.begin() + static_cast<long>(i),
+                                       grid.anchors.begin() + static_cast<long>(i) + 3);
+        const int id = builder_.add(CurvatureRow{
+            {over[0].node, over[1].node, over[2].node}, entry.bending_stiffness, m.damping_time});
+        rows_.push_back(
+            {{scene_.nodes[static_cast<std::size_t>(grid.first) + i + 1].name, "curvature", 0, 3, over}, id});
       }
     });
   }
@@ -115,13 +123,15 @@ void Assembly::add_cloths() {
     if (!claim(entry, entry.name)) continue;
     Material m;
     Grid grid;
-    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 2, grid) || !(entry.mass > 0.0)) continue;
+    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 2, grid) || !(entry.mass > 0.0))
+      continue;
     const int nu = grid.count[0], nv = grid.count[1];
     const double nodes = static_cast<double>(nu) * nv;
     if (!require_counts(entry, nodes, 6.0 * nodes)) continue;
     if (!add_grid(entry, entry.name, entry.mass, grid, [&](int i, int j, int) {
           const bool u0 = i == 0, u1 = i == nu - 1, v0 = j == 0, v1 = j == nv - 1;
-          const bool corner = (u0 && v0 && has(entry.fixed, "c00")) || (u1 && v0 && has(entry.fixed, "c10")) ||
+          const bool corner = (u0 && v0 && has(entry.fixed, "c00")) ||
+                              (u1 && v0 && has(entry.fixed, "c10")) ||
                               (u0 && v1 && has(entry.fixed, "c01")) || (u1 && v1 && has(entry.fixed, "c11"));
           return GridNode{entry.corner + i * entry.edge_u / (nu - 1) + j * entry.edge_v / (nv - 1),
                           corner || on_side(entry.fixed, "u", i, nu) || on_side(entry.fixed, "v", j, nv)};
@@ -131,11 +141,14 @@ void Assembly::add_cloths() {
     if (entry.shear_stiffness.given) shear.stiffness = entry.shear_stiffness.value;
     bend.stiffness = entry.bend_stiffness.given ? entry.bend_stiffness.value : 0.0;
     attempt(entry, [&] {
-      for (const std::array<int, 3> step : {std::array{0, 1, 0}, std::array{1, 0, 0}}) add_grid_springs(grid, step, m);
+      for (const std::array<int, 3> step : {std::array{0, 1, 0}, std::array{1, 0, 0}})
+        add_grid_springs(grid, step, m);
       if (shear.stiffness > 0.0)
-        for (const std::array<int, 3> step : {std::array{1, 1, 0}, std::array{1, -1, 0}}) add_grid_springs(grid, step, shear);
+        for (const std::array<int, 3> step : {std::array{1, 1, 0}, std::array{1, -1, 0}})
+          add_grid_springs(grid, step, shear);
       if (bend.stiffness > 0.0)
-        for (const std::array<int, 3> step : {std::array{0, 2, 0}, std::array{2, 0, 0}}) add_grid_springs(grid, step, bend);
+        for (const std::array<int, 3> step : {std::array{0, 2, 0}, std::array{2, 0, 0}})
+          add_grid_springs(grid, step, bend);
     });
   }
 }
@@ -145,14 +158,16 @@ void Assembly::add_lattices() {
     if (!claim(entry, entry.name)) continue;
     Material m;
     Grid grid;
-    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 3, grid) || !(entry.mass > 0.0)) continue;
+    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 3, grid) || !(entry.mass > 0.0))
+      continue;
     const auto [nx, ny, nz] = grid.count;
     const double nodes = static_cast<double>(nx) * ny * nz;
     if (!require_counts(entry, nodes, 13.0 * nodes)) continue;
     const Vector3d cell = entry.size.cwiseQuotient(Vector3d(nx - 1, ny - 1, nz - 1));
     if (!add_grid(entry, entry.name, entry.mass, grid, [&](int i, int j, int k) {
           return GridNode{entry.corner + cell.cwiseProduct(Vector3d(i, j, k)),
-                          on_side(entry.fixed, "x", i, grid.count[0]) || on_side(entry.fixed, "y", j, grid.count[1]) ||
+                          on_side(entry.fixed, "x", i, grid.count[0]) ||
+                              on_side(entry.fixed, "y", j, grid.count[1]) ||
                               on_side(entry.fixed, "z", k, grid.count[2])};
         }))
       continue;
@@ -194,18 +209,25 @@ void Assembly::add_nets() {
       auto join = [&](const std::string& name, Anchor a, Anchor b, const Vector3d& place) {
         const std::vector<int> ids = add_ball(builder_, a, b, place, {.linear = m});
         const Anchor held = a.body >= 0 ? a : b, end = builder_.anchor_at(held, place);
-        rows_.push_back({{name, "ball", 0, 3, {end, b.body >= 0 ? builder_.anchor_at(b, place) : end}}, ids[0]});
+        rows_.push_back(
+            {{name, "ball", 0, 3, {end, b.body >= 0 ? builder_.anchor_at(b, place) : end}}, ids[0]});
       };
       auto plate = [&](int i, int j) { return grid.anchors[static_cast<std::size_t>(grid.at(i, j, 0))]; };
       auto name = [&](int i, int j) { return indexed(entry.name.value, {i, j, 0}, 2); };
       for (int i = 0; i < nx; ++i)
         for (int j = 0; j < nz; ++j) {
-          if (i + 1 < nx) join(name(i, j) + " - " + name(i + 1, j), plate(i, j), plate(i + 1, j), centre(i + 0.5, j));
-          if (j + 1 < nz) join(name(i, j) + " - " + name(i, j + 1), plate(i, j), plate(i, j + 1), centre(i, j + 0.5));
-          if (i == 0 && has(entry.fixed, "x0")) join("world - " + name(i, j), {}, plate(i, j), centre(-0.5, j));
-          if (i == nx - 1 && has(entry.fixed, "x1")) join(name(i, j) + " - world", plate(i, j), {}, centre(nx - 0.5, j));
-          if (j == 0 && has(entry.fixed, "z0")) join("world - " + name(i, j), {}, plate(i, j), centre(i, -0.5));
-          if (j == nz - 1 && has(entry.fixed, "z1")) join(name(i, j) + " - world", plate(i, j), {}, centre(i, nz - 0.5));
+          if (i + 1 < nx)
+            join(name(i, j) + " - " + name(i + 1, j), plate(i, j), plate(i + 1, j), centre(i + 0.5, j));
+          if (j + 1 < nz)
+            join(name(i, j) + " - " + name(i, j + 1), plate(i, j), plate(i, j + 1), centre(i, j + 0.5));
+          if (i == 0 && has(entry.fixed, "x0"))
+            join("world - " + name(i, j), {}, plate(i, j), centre(-0.5, j));
+          if (i == nx - 1 && has(entry.fixed, "x1"))
+            join(name(i, j) + " - world", plate(i, j), {}, centre(nx - 0.5, j));
+          if (j == 0 && has(entry.fixed, "z0"))
+            join("world - " + name(i, j), {}, plate(i, j), centre(i, -0.5));
+          if (j == nz - 1 && has(entry.fixed, "z1"))
+            join(name(i, j) + " - world", plate(i, j), {}, centre(i, nz - 0.5));
         }
     });
   }

@@ -7,7 +7,8 @@
 
 namespace feder {
 
-Anchor Assembly::add_particle(double mass, const Vector3d& position, const Vector3d& velocity, FreeMask free) {
+Anchor Assembly::add_particle(double mass, const Vector3d& position, const Vector3d& velocity,
+                              FreeMask free) {
   const Anchor anchor = builder_.add_particle(mass, position, velocity, free);
   places_.resize(static_cast<std::size_t>(anchor.node) + 1);
   places_.back() = position;
@@ -33,7 +34,8 @@ void Assembly::add_points() {
     names_[entry.name.value] = {};
     const bool moves = entry.motion[0].kind != FunctionText::Kind::kNone;
     if (moves == entry.position.given) {
-      tell(entry, entry.place, moves ? "it has both position and motion, expected one" : "'position' or 'motion' is missing");
+      tell(entry, entry.place,
+           moves ? "it has both position and motion, expected one" : "'position' or 'motion' is missing");
       continue;
     }
     attempt(entry, [&] {
@@ -68,8 +70,9 @@ void Assembly::add_particles() {
       continue;
     }
     attempt(entry, [&] {
-      const Anchor anchor = fixed ? add_point(entry.position)
-                                  : add_particle(entry.mass, entry.position, entry.velocity.value, entry.free);
+      const Anchor anchor = fixed
+                                ? add_point(entry.position)
+                                : add_particle(entry.mass, entry.position, entry.velocity.value, entry.free);
       name_node(entry, entry.name.value, SceneNode::Kind::kParticle, anchor, entry.group);
     });
   }
@@ -86,8 +89,9 @@ void Assembly::add_bodies() {
     ShapeReader reader{limits_.folder, limits_.allow_outside, problems_};
     const std::optional<Shape> shape = reader.read(entry.label, entry.place, keys, entry.parts);
     if (!shape) continue;
-    SystemBuilder::BodyStart start{entry.position, entry.orientation.axes, entry.velocity, entry.angular_velocity,
-                                   fixed ? kPinned : entry.free, fixed ? kPinned : entry.free_spin};
+    SystemBuilder::BodyStart start{
+        entry.position,         entry.orientation.axes,       entry.velocity,
+        entry.angular_velocity, fixed ? kPinned : entry.free, fixed ? kPinned : entry.free_spin};
     attempt(entry, [&] {
       const Anchor anchor = add_body(shape->properties, start);
       name_node(entry, entry.name.value, SceneNode::Kind::kBody, anchor, entry.group);

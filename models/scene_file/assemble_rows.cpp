@@ -15,7 +15,8 @@ std::vector<std::string> numbered(std::vector<std::string> types, const std::str
 }  // namespace
 
 // Of the row's keys and its material's; what both leave out is `default_stiffness` (negative: required).
-bool Assembly::material_of(const Entry& entry, const MaterialKeys& keys, double default_stiffness, Material& out) {
+bool Assembly::material_of(const Entry& entry, const MaterialKeys& keys, double default_stiffness,
+                           Material& out) {
   const MaterialEntry* material = nullptr;
   if (keys.material.given) {
     const auto found = materials_.find(keys.material.value);
@@ -33,8 +34,12 @@ bool Assembly::material_of(const Entry& entry, const MaterialKeys& keys, double 
     tell(entry, entry.place, "'stiffness' is missing, expected it or a material");
     return false;
   }
-  out.stiffness = keys.stiffness.given ? keys.stiffness.value : material ? material->stiffness : default_stiffness;
-  out.damping_time = keys.damping_time.given ? keys.damping_time.value : material ? material->damping_time : 0.0;
+  out.stiffness = keys.stiffness.given ? keys.stiffness.value
+                  : material           ? material->stiffness
+                                       : default_stiffness;
+  out.damping_time = keys.damping_time.given ? keys.damping_time.value
+                     : material              ? material->damping_time
+                                             : 0.0;
   out.damping = keys.damping.given ? keys.damping.value : material ? material->damping : 0.0;
   return true;
 }
@@ -42,9 +47,10 @@ bool Assembly::material_of(const Entry& entry, const MaterialKeys& keys, double 
 bool Assembly::anchor_of(const Entry& entry, const AnchorText& text, Anchor& out) {
   if (!text.name.given) return attempt(entry, [&] { out = add_point(text.place.value); });
   const bool in_body = text.point.given || text.place.given;
-  const Named* named = look_up(entry, text.name,
-                               in_body ? std::vector{Kind::kBody} : std::vector{Kind::kParticle, Kind::kPoint, Kind::kBody},
-                               in_body ? "a body" : "a particle, point or body");
+  const Named* named =
+      look_up(entry, text.name,
+              in_body ? std::vector{Kind::kBody} : std::vector{Kind::kParticle, Kind::kPoint, Kind::kBody},
+              in_body ? "a body" : "a particle, point or body");
   if (!named) return false;
   out = named->anchor;
   if (text.point.given) out.point = text.point.value;
@@ -75,7 +81,7 @@ bool Assembly::bodies_of(const Entry& entry, const std::vector<AnchorText>& betw
     *ends[i] = {};
     if (text.name.given && text.name.value == "world" && !text.point.given && !text.place.given) continue;
     if (!text.name.given || text.point.given || text.place.given) {
-      const Place place = text.name.given ? text.name.place : text.place.place;
+      const TextPlace place = text.name.given ? text.name.place : text.place.place;
       tell(entry, place, "between = a place, expected the names of two bodies, or a body and \"world\"");
       sound = false;
     } else if (const Named* named = look_up(entry, text.name, {Kind::kBody}, "a body or \"world\"")) {
@@ -97,11 +103,13 @@ void Assembly::add_springs() {
     Anchor a, b;
     const bool sound = material_of(entry, entry, -1.0, m);
     if (!ends_of(entry, entry.between, a, b) || !sound) continue;
-    const double placed = (place_of(b) - place_of(a)).norm(), rest = entry.length.given ? entry.length.value : placed;
+    const double placed = (place_of(b) - place_of(a)).norm(),
+                 rest = entry.length.given ? entry.length.value : placed;
     attempt(entry, [&] {
-      const int id = a.body < 0 && b.body < 0
-                         ? builder_.add_distance(a, b, m, rest)
-                         : builder_.add(AnchorDistanceRow{{a, b, m.stiffness, m.damping_time, m.damping}, rest});
+      const int id =
+          a.body < 0 && b.body < 0
+              ? builder_.add_distance(a, b, m, rest)
+              : builder_.add(AnchorDistanceRow{{a, b, m.stiffness, m.damping_time, m.damping}, rest});
       record(entry, entry.name, {id}, {"distance"}, {a, b});
     });
   }
@@ -134,7 +142,8 @@ void Assembly::add_bendings() {
       known = anchor_of(entry, entry.over[i], anchors[i]) && known;
       nodes[i] = anchors[i].node;
       if (known && anchors[i].body >= 0) {
-        tell(entry, entry.over[i].name.place, quoted(entry.over[i].name.value) + " is a body, expected a particle or point");
+        tell(entry, entry.over[i].name.place,
+             quoted(entry.over[i].name.value) + " is a body, expected a particle or point");
         known = false;
       }
     }
@@ -154,14 +163,18 @@ void Assembly::add_joints() {
     Material linear, angular;
     Anchor a, b;
     const MaterialKeys turned{{}, entry.angular_stiffness, entry.angular_damping_time, entry.angular_damping};
-    const bool sound = material_of(entry, entry, kRigid, linear) && material_of(entry, turned, kRigid, angular);
+    const bool sound =
+        material_of(entry, entry, kRigid, linear) && material_of(entry, turned, kRigid, angular);
     const bool axis_wanted = entry.type != E::kBall && entry.type != E::kWeld;
     if (axis_wanted != entry.axis.given) {
-      tell(entry, axis_wanted ? entry.place : entry.axis.place, axis_wanted ? "'axis' is missing for this type" : "'axis' has no meaning for this type");
+      tell(entry, axis_wanted ? entry.place : entry.axis.place,
+           axis_wanted ? "'axis' is missing for this type" : "'axis' has no meaning for this type");
       continue;
     }
     if ((entry.type == E::kUniversal) != entry.axis_b.given) {
-      tell(entry, entry.place, entry.axis_b.given ? "'axis_b' has no meaning for this type" : "'axis_b' is missing for this type");
+      tell(
+          entry, entry.place,
+          entry.axis_b.given ? "'axis_b' has no meaning for this type" : "'axis_b' is missing for this type");
       continue;
     }
     if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
@@ -171,7 +184,9 @@ void Assembly::add_joints() {
       std::vector<int> ids;
       std::vector<std::string> types;
       switch (entry.type) {
-        case E::kBall: ids = add_ball(builder_, a, b, at, material), types = {"ball"}; break;
+        case E::kBall:
+          ids = add_ball(builder_, a, b, at, material), types = {"ball"};
+          break;
         case E::kUniversal:
           ids = add_universal(builder_, a, b, at, n, entry.axis_b.value, material);
           types = numbered({"ball"}, "perpendicular", 1);
@@ -205,7 +220,8 @@ void Assembly::add_turns() {
     if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
     attempt(entry, [&] {
       int id = 0;
-      if (entry.target.kind == FunctionText::Kind::kNone || entry.target.kind == FunctionText::Kind::kNumber) {
+      if (entry.target.kind == FunctionText::Kind::kNone ||
+          entry.target.kind == FunctionText::Kind::kNumber) {
         id = add_turn(builder_, a, b, entry.axis, m, entry.target.number);
       } else {
         const auto target = target_of(entry.target, entry.label + ": target", problems_);
@@ -226,7 +242,8 @@ void Assembly::add_slides() {
     if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
     attempt(entry, [&] {
       int id = 0;
-      if (entry.target.kind == FunctionText::Kind::kNone || entry.target.kind == FunctionText::Kind::kNumber) {
+      if (entry.target.kind == FunctionText::Kind::kNone ||
+          entry.target.kind == FunctionText::Kind::kNumber) {
         id = add_slide(builder_, a, b, entry.place_at, entry.axis, m, entry.target.number);
       } else {
         const auto target = target_of(entry.target, entry.label + ": target", problems_);
@@ -235,7 +252,8 @@ void Assembly::add_slides() {
       }
       const Anchor& held = a.body >= 0 ? a : b;
       const Anchor end = builder_.anchor_at(held, entry.place_at);
-      record(entry, entry.name, {id}, {"along"}, {end, b.body >= 0 ? builder_.anchor_at(b, entry.place_at) : end});
+      record(entry, entry.name, {id}, {"along"},
+             {end, b.body >= 0 ? builder_.anchor_at(b, entry.place_at) : end});
     });
   }
 }

@@ -8,9 +8,12 @@ namespace {
 // What a message calls the kinds of names.
 const char* called(SceneNode::Kind kind) {
   switch (kind) {
-    case SceneNode::Kind::kParticle: return "particle";
-    case SceneNode::Kind::kPoint: return "point";
-    case SceneNode::Kind::kBody: return "body";
+    case SceneNode::Kind::kParticle:
+      return "particle";
+    case SceneNode::Kind::kPoint:
+      return "point";
+    case SceneNode::Kind::kBody:
+      return "body";
   }
   return "";
 }
@@ -20,7 +23,7 @@ const char* called(SceneNode::Kind kind) {
 Assembly::Assembly(const Document& document, const AssemblyLimits& limits, Diagnostics& problems)
     : document_(document), limits_(limits), problems_(problems) {}
 
-void Assembly::tell(const Entry& entry, Place place, const std::string& message) {
+void Assembly::tell(const Entry& entry, TextPlace place, const std::string& message) {
   problems_.add(place, entry.label + ": " + message);
 }
 
@@ -39,13 +42,14 @@ bool Assembly::claim(const Entry& entry, const Reference& name) {
 }
 
 int Assembly::group(const std::string& name) {
-  const auto [at, fresh] = names_.emplace(name, Named{Kind::kGroup, {}, static_cast<int>(scene_.groups.size())});
+  const auto [at, fresh] =
+      names_.emplace(name, Named{Kind::kGroup, {}, static_cast<int>(scene_.groups.size())});
   if (fresh) scene_.groups.push_back({name, {}});
   return at->second.kind == Kind::kGroup ? at->second.index : -1;
 }
 
-void Assembly::name_node(const Entry& entry, const std::string& name, SceneNode::Kind kind, const Anchor& anchor,
-                         const Reference& group_name) {
+void Assembly::name_node(const Entry& entry, const std::string& name, SceneNode::Kind kind,
+                         const Anchor& anchor, const Reference& group_name) {
   const int index = static_cast<int>(scene_.nodes.size());
   scene_.nodes.push_back({name, kind, anchor.node, anchor.body});
   const Kind named = kind == SceneNode::Kind::kBody    ? Kind::kBody
@@ -55,7 +59,8 @@ void Assembly::name_node(const Entry& entry, const std::string& name, SceneNode:
   if (!group_name.given) return;
   const int at = claimed_.count(group_name.value) ? -1 : group(group_name.value);
   if (at < 0)
-    tell(entry, group_name.place, "group = " + quoted(group_name.value) + ", expected a name that no entry has");
+    tell(entry, group_name.place,
+         "group = " + quoted(group_name.value) + ", expected a name that no entry has");
   else
     scene_.groups[static_cast<std::size_t>(at)].members.push_back(index);
 }
@@ -78,7 +83,8 @@ const Assembly::Named* Assembly::look_up(const Entry& entry, const Reference& na
     const Named& named = found->second;
     tell(entry, name.place,
          quoted(name.value) + " is a " +
-             (named.kind == Kind::kGroup ? "group" : called(scene_.nodes[static_cast<std::size_t>(named.index)].kind)) +
+             (named.kind == Kind::kGroup ? "group"
+                                         : called(scene_.nodes[static_cast<std::size_t>(named.index)].kind)) +
              ", expected " + expectation);
     return nullptr;
   }

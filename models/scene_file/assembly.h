@@ -43,7 +43,7 @@ class Assembly {
   // Runs an action of the engine; what it throws becomes a problem at the entry.
   template <class Action>
   bool attempt(const Entry& entry, Action&& action);
-  void tell(const Entry& entry, Place place, const std::string& message);
+  void tell(const Entry& entry, TextPlace place, const std::string& message);
 
   // names
   bool claim(const Entry& entry, const Reference& name);
@@ -110,7 +110,7 @@ class Assembly {
   Diagnostics& problems_;
   SystemBuilder builder_;
   std::map<std::string, Named> names_;
-  std::map<std::string, Place> claimed_;
+  std::map<std::string, TextPlace> claimed_;
   std::map<std::string, const MaterialEntry*> materials_;
   std::vector<Vector3d> places_;  // of particles and points by node
   std::vector<Pose> poses_;       // of bodies

@@ -8,7 +8,7 @@ namespace feder {
 Diagnostics::Diagnostics(std::string file, std::vector<std::string> changes)
     : file_(std::move(file)), changes_(std::move(changes)) {}
 
-void Diagnostics::add(Place place, const std::string& message) {
+void Diagnostics::add(TextPlace place, const std::string& message) {
   problems_.push_back({place, message});
 }
 

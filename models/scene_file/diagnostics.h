@@ -20,7 +20,7 @@ class Diagnostics {
   /// `file` as messages name it; `changes` are the texts of --set.
   explicit Diagnostics(std::string file, std::vector<std::string> changes = {});
 
-  void add(Place place, const std::string& message);
+  void add(TextPlace place, const std::string& message);
   std::size_t count() const { return problems_.size(); }
   bool empty() const { return problems_.empty(); }
   /// Throws SceneError with the problems in file order, at most kMostShown of them.
@@ -30,7 +30,7 @@ class Diagnostics {
 
  private:
   struct Problem {
-    Place place;
+    TextPlace place;
     std::string message;
   };
   std::string file_;

@@ -19,44 +19,54 @@ void append(Keys<E>& list, const Keys<E>& more) {
 
 template <class E>
 Key<E> name_key(const char* default_value = "") {
-  return key("name", &E::name, default_value, "", "how other entries and the results call it", kName);
+  return key<E>("name", &E::name, default_value, "", "how other entries and the results call it", kName);
 }
 template <class E>
 Key<E> group_key() {
-  return key("group", &E::group, "", "", "a name for several entries together", kName);
+  return key<E>("group", &E::group, "", "", "a name for several entries together", kName);
 }
 
 // The row's own stiffness and damping, or those of a material.
 template <class E>
 Keys<E> material_keys(const char* unit, const char* damping_unit, const char* default_stiffness) {
-  return {key("material", &E::material, "", "", "takes stiffness and damping from a [[material]]", "the name of a material"),
-          key("stiffness", &E::stiffness, default_stiffness, unit, "of the row; \"rigid\" holds it exactly", kStiffness),
-          key("damping_time", &E::damping_time, "0", "s", "damping as stiffness times this time", kNonNegative),
-          key("damping", &E::damping, "0", damping_unit, "damping of its own beside that", kNonNegative)};
+  return {key<E>("material", &E::material, "", "", "takes stiffness and damping from a [[material]]",
+                 "the name of a material"),
+          key<E>("stiffness", &E::stiffness, default_stiffness, unit,
+                 "of the row; \"rigid\" holds it exactly", kStiffness),
+          key<E>("damping_time", &E::damping_time, "0", "s", "damping as stiffness times this time",
+                 kNonNegative),
+          key<E>("damping", &E::damping, "0", damping_unit, "damping of its own beside that", kNonNegative)};
 }
 
 const Keys<Document>& top_keys() {
+  using E = Document;
   static const Keys<Document> list = {
-      key("title", &Document::title, "", "", "one line about the scene", "a text"),
-      key("model", &Document::model, "", "",
-          "a scene of the catalogue, \"name:key=value,...\"; then nothing but end_time and [method], [output]",
-          "the name of a model"),
-      key("end_time", &Document::end_time, "the model's", "s", "how long to run; required without a model", kPositive),
-      key("quick_end_time", &Document::quick_end_time, "end_time", "s", "how long to run with --preset quick", kPositive),
-      key("scene_length", &Document::scene_length, "the scene's diagonal", "m", "what errors are compared with", kPositive),
-      key("gravity", &Document::gravity, "[0, 0, 0]", "m/s^2", "acts on all masses", kTriple),
-      key("drag", &Document::drag, "0", "kg/s", "force -drag v on every particle", kNonNegative),
+      key<E>("title", &Document::title, "", "", "one line about the scene", "a text"),
+      key<E>("model", &Document::model, "", "",
+             "a scene of the catalogue, \"name:key=value,...\"; then nothing but end_time and [method], "
+             "[output]",
+             "the name of a model"),
+      key<E>("end_time", &Document::end_time, "the model's", "s", "how long to run; required without a model",
+             kPositive),
+      key<E>("quick_end_time", &Document::quick_end_time, "end_time", "s",
+             "how long to run with --preset quick", kPositive),
+      key<E>("scene_length", &Document::scene_length, "the scene's diagonal", "m",
+             "what errors are compared with", kPositive),
+      key<E>("gravity", &Document::gravity, "[0, 0, 0]", "m/s^2", "acts on all masses", kTriple),
+      key<E>("drag", &Document::drag, "0", "kg/s", "force -drag v on every particle", kNonNegative),
   };
   return list;
 }
 
 const Keys<MaterialEntry>& keys_of(const MaterialEntry*) {
   using E = MaterialEntry;
-  static const Keys<E> list = {
-      name_key<E>(kRequired),
-      key("stiffness", &E::stiffness, kRequired, "N/m or N m", "\"rigid\" holds the row exactly", kStiffness),
-      key("damping_time", &E::damping_time, "0", "s", "damping as stiffness times this time", kNonNegative),
-      key("damping", &E::damping, "0", "kg/s or kg m^2/s", "damping of its own beside that", kNonNegative)};
+  static const Keys<E> list = {name_key<E>(kRequired),
+                               key<E>("stiffness", &E::stiffness, kRequired, "N/m or N m",
+                                      "\"rigid\" holds the row exactly", kStiffness),
+                               key<E>("damping_time", &E::damping_time, "0", "s",
+                                      "damping as stiffness times this time", kNonNegative),
+                               key<E>("damping", &E::damping, "0", "kg/s or kg m^2/s",
+                                      "damping of its own beside that", kNonNegative)};
   return list;
 }
 
@@ -64,65 +74,80 @@ const Keys<PointEntry>& keys_of(const PointEntry*) {
   using E = PointEntry;
   static const Keys<E> list = {
       name_key<E>(kRequired), group_key<E>(),
-      key("position", &E::position, "", "m", "where it stays", kTriple),
-      key("motion", &E::motion, "", "m", "or how it moves: x, y, z as functions of t",
-          "three components, each a number, an expression in t, or a table [[t, value], ...]")};
+      key<E>("position", &E::position, "", "m", "where it stays", kTriple),
+      key<E>("motion", &E::motion, "", "m", "or how it moves: x, y, z as functions of t",
+             "three components, each a number, an expression in t, or a table [[t, value], ...]")};
   return list;
 }
 
 const Keys<ParticleEntry>& keys_of(const ParticleEntry*) {
   using E = ParticleEntry;
   static const Keys<E> list = {
-      name_key<E>(kRequired), group_key<E>(),
-      key("mass", &E::mass, kRequired, "kg", "\"fixed\" is a particle that never moves", kPositiveOrRigid),
-      key("position", &E::position, kRequired, "m", "at the start", kTriple),
-      key("velocity", &E::velocity, "[0, 0, 0]", "m/s", "at the start", kTriple),
+      name_key<E>(kRequired),
+      group_key<E>(),
+      key<E>("mass", &E::mass, kRequired, "kg", "\"fixed\" is a particle that never moves", kPositiveOrRigid),
+      key<E>("position", &E::position, kRequired, "m", "at the start", kTriple),
+      key<E>("velocity", &E::velocity, "[0, 0, 0]", "m/s", "at the start", kTriple),
       mask_key("free", &E::free, "the coordinates that may move")};
   return list;
 }
 
-const std::vector<std::string> kShapes = {"box", "sphere", "hollow_sphere", "cylinder", "rod", "mesh", "given", "parts"};
+const std::vector<std::string> kShapes = {"box", "sphere", "hollow_sphere", "cylinder",
+                                          "rod", "mesh",   "given",         "parts"};
 
 template <class E>
 Keys<E> shape_keys() {
-  Key<E> shape{{"shape", "", "what its mass is spread over; centred at the origin of its axes, cylinder and rod along z",
-                "one of " + join(kShapes), "", true}, {}};
+  Key<E> shape{{"shape", "",
+                "what its mass is spread over; centred at the origin of its axes, cylinder and rod along z",
+                "one of " + join(kShapes), "", true},
+               {}};
   shape.read = [info = shape.info](E& e, const Value& v, const std::string& where, Diagnostics& problems) {
     e.shape.place = v.place;
     const std::size_t before = problems.count();
     read_choice(info, v, where, kShapes, e.shape.value, problems);
     e.shape.given = problems.count() == before;
   };
-  Key<E> inertia{{"inertia", "kg m^2", "of shape \"given\", about the centre: three principal moments, or Ixx, Iyy, Izz, Ixy, Ixz, Iyz",
-                  "three or six numbers", "", false}, {}};
-  inertia.read = [info = inertia.info](E& e, const Value& v, const std::string& where, Diagnostics& problems) {
+  Key<E> inertia{
+      {"inertia", "kg m^2",
+       "of shape \"given\", about the centre: three principal moments, or Ixx, Iyy, Izz, Ixy, Ixz, Iyz",
+       "three or six numbers", "", false},
+      {}};
+  inertia.read = [info = inertia.info](E& e, const Value& v, const std::string& where,
+                                       Diagnostics& problems) {
     const std::size_t before = problems.count();
     read_value(info, v, where, kAnyNumber, e.inertia.value, problems);
     const std::size_t size = e.inertia.value.size();
     if (problems.count() == before && size != 3 && size != 6)
-      problems.add(v.place, where + ": inertia = an array of " + std::to_string(size) + ", expected " + info.expectation);
+      problems.add(v.place, where + ": inertia = an array of " + std::to_string(size) + ", expected " +
+                                info.expectation);
     e.inertia.place = v.place, e.inertia.given = problems.count() == before;
   };
-  return {shape,
-          key("mass", &E::mass, "", "kg", "this or density; of a body: \"fixed\" pins it", kPositiveOrRigid),
-          key("density", &E::density, "", "kg/m^3", "instead of mass; not for rod, hollow_sphere and given", kPositive),
-          key("edges", &E::edges, "", "m", "of shape \"box\"", kTriple),
-          key("radius", &E::radius, "", "m", "of spheres and cylinders", kPositive),
-          key("height", &E::height, "", "m", "of shape \"cylinder\"", kPositive),
-          key("length", &E::length, "", "m", "of shape \"rod\"", kPositive),
-          key("mesh", &E::mesh, "", "", "file of shape \"mesh\" (.obj, .stl): closed, counter-clockwise from outside", "a path inside the scene's folder"),
-          key("scale", &E::scale, "1", "", "metres per unit of the mesh file", kPositive),
-          inertia,
-          key("centre", &E::centre, "[0, 0, 0]", "m", "of shape \"given\": centre of mass in the body's axes", kTriple)};
+  return {
+      shape,
+      key<E>("mass", &E::mass, "", "kg", "this or density; of a body: \"fixed\" pins it", kPositiveOrRigid),
+      key<E>("density", &E::density, "", "kg/m^3", "instead of mass; not for rod, hollow_sphere and given",
+             kPositive),
+      key<E>("edges", &E::edges, "", "m", "of shape \"box\"", kTriple),
+      key<E>("radius", &E::radius, "", "m", "of spheres and cylinders", kPositive),
+      key<E>("height", &E::height, "", "m", "of shape \"cylinder\"", kPositive),
+      key<E>("length", &E::length, "", "m", "of shape \"rod\"", kPositive),
+      key<E>("mesh", &E::mesh, "", "",
+             "file of shape \"mesh\" (.obj, .stl): closed, counter-clockwise from outside",
+             "a path inside the scene's folder"),
+      key<E>("scale", &E::scale, "1", "", "metres per unit of the mesh file", kPositive),
+      inertia,
+      key<E>("centre", &E::centre, "[0, 0, 0]", "m", "of shape \"given\": centre of mass in the body's axes",
+             kTriple)};
 }
 
 const Keys<PartEntry>& keys_of(const PartEntry*) {
   using E = PartEntry;
   static const Keys<E> list = [] {
     Keys<E> keys = shape_keys<E>();
-    append(keys, {key("position", &E::position, "[0, 0, 0]", "m", "of the part's origin in the body's axes", kTriple),
-                  key("orientation", &E::orientation, "[1, 0, 0, 0]", "", "of the part in the body's axes",
-                      "a unit quaternion [w, x, y, z], or {axis = [x, y, z], angle = radians}")});
+    append(keys, {key<E>("position", &E::position, "[0, 0, 0]", "m",
+                         "of the part's origin in the body's axes", kTriple),
+                  key<E>("orientation", &E::orientation, "[1, 0, 0, 0]", "", "of the part in the body's axes",
+                         "a unit quaternion [w, x, y, z], or {axis = [x, y, z], angle = radians}")});
     return keys;
   }();
   return list;
@@ -136,18 +161,22 @@ const Keys<BodyEntry>& keys_of(const BodyEntry*) {
   static const Keys<E> list = [] {
     Keys<E> keys = {name_key<E>(kRequired), group_key<E>()};
     append(keys, shape_keys<E>());
-    Key<E> parts{{"parts", "", "of shape \"parts\": tables with the keys of [[body.parts]]", "an array of tables", "", false}, {}};
+    Key<E> parts{{"parts", "", "of shape \"parts\": tables with the keys of [[body.parts]]",
+                  "an array of tables", "", false},
+                 {}};
     parts.read = [](E& e, const Value& v, const std::string&, Diagnostics& problems) {
       read_list(v, "part", e.parts, problems);
     };
-    append(keys, {parts,
-                  key("position", &E::position, "[0, 0, 0]", "m", "of the origin of its axes at the start", kTriple),
-                  key("orientation", &E::orientation, "[1, 0, 0, 0]", "", "of its axes at the start",
-                      "a unit quaternion [w, x, y, z], or {axis = [x, y, z], angle = radians}"),
-                  key("velocity", &E::velocity, "[0, 0, 0]", "m/s", "of its centre of mass", kTriple),
-                  key("angular_velocity", &E::angular_velocity, "[0, 0, 0]", "rad/s", "in world axes", kTriple),
-                  mask_key("free", &E::free, "directions of the world its centre may move in"),
-                  mask_key("free_spin", &E::free_spin, "principal axes it may turn about, moments ascending")});
+    append(keys,
+           {parts,
+            key<E>("position", &E::position, "[0, 0, 0]", "m", "of the origin of its axes at the start",
+                   kTriple),
+            key<E>("orientation", &E::orientation, "[1, 0, 0, 0]", "", "of its axes at the start",
+                   "a unit quaternion [w, x, y, z], or {axis = [x, y, z], angle = radians}"),
+            key<E>("velocity", &E::velocity, "[0, 0, 0]", "m/s", "of its centre of mass", kTriple),
+            key<E>("angular_velocity", &E::angular_velocity, "[0, 0, 0]", "rad/s", "in world axes", kTriple),
+            mask_key("free", &E::free, "directions of the world its centre may move in"),
+            mask_key("free_spin", &E::free_spin, "principal axes it may turn about, moments ascending")});
     return keys;
   }();
   return list;
@@ -155,7 +184,7 @@ const Keys<BodyEntry>& keys_of(const BodyEntry*) {
 
 template <class E>
 Keys<E> between_keys() {
-  return {name_key<E>(), key("between", &E::between, kRequired, "", "what it holds on to", kAnchors)};
+  return {name_key<E>(), key<E>("between", &E::between, kRequired, "", "what it holds on to", kAnchors)};
 }
 
 const Keys<SpringEntry>& keys_of(const SpringEntry*) {
@@ -163,7 +192,7 @@ const Keys<SpringEntry>& keys_of(const SpringEntry*) {
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>();
     append(keys, material_keys<E>("N/m", "kg/s", "required, or a material"));
-    append(keys, {key("length", &E::length, "as placed", "m", "at rest", kNonNegative)});
+    append(keys, {key<E>("length", &E::length, "as placed", "m", "at rest", kNonNegative)});
     return keys;
   }();
   return list;
@@ -173,8 +202,8 @@ const Keys<LawSpringEntry>& keys_of(const LawSpringEntry*) {
   using E = LawSpringEntry;
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>();
-    append(keys, {key("tension", &E::tension, kRequired, "N", "pulls the ends together where positive",
-                      "an expression in length [m] and rate [m/s], or a table [[length, tension], ...]")});
+    append(keys, {key<E>("tension", &E::tension, kRequired, "N", "pulls the ends together where positive",
+                         "an expression in length [m] and rate [m/s], or a table [[length, tension], ...]")});
     return keys;
   }();
   return list;
@@ -183,10 +212,12 @@ const Keys<LawSpringEntry>& keys_of(const LawSpringEntry*) {
 const Keys<BendingEntry>& keys_of(const BendingEntry*) {
   using E = BendingEntry;
   static const Keys<E> list = [] {
-    Keys<E> keys = {name_key<E>(), key("over", &E::over, kRequired, "", "particles or points in order", "three names")};
+    Keys<E> keys = {name_key<E>(),
+                    key<E>("over", &E::over, kRequired, "", "particles or points in order", "three names")};
     append(keys, material_keys<E>("N m", "kg m^2/s", "required, or a material"));
-    append(keys, {key("rest_angle", &E::rest_angle, "", "rad",
-                      "between the two edges at rest; left out, the chain is straight at rest", Range{0.0, 3.141592653589793, true})});
+    append(keys, {key<E>("rest_angle", &E::rest_angle, "", "rad",
+                         "between the two edges at rest; left out, the chain is straight at rest",
+                         Range{0.0, 3.141592653589793, true})});
     return keys;
   }();
   return list;
@@ -197,15 +228,21 @@ const std::vector<std::string> kJoints = {"ball", "universal", "hinge", "cylindr
 const Keys<JointEntry>& keys_of(const JointEntry*) {
   using E = JointEntry;
   static const Keys<E> list = [] {
-    Keys<E> keys = {choice_key("type", &E::type, kRequired, "which freedoms it leaves: 3, 2, 1, 2, 1, 0", kJoints)};
+    Keys<E> keys = {
+        choice_key("type", &E::type, kRequired, "which freedoms it leaves: 3, 2, 1, 2, 1, 0", kJoints)};
     append(keys, between_keys<E>());
-    append(keys, {key("place", &E::place_at, kRequired, "m", "in the world at the start", kTriple),
-                  key("axis", &E::axis, "", "", "in the world at the start; not for ball and weld", "a direction [x, y, z]"),
-                  key("axis_b", &E::axis_b, "", "", "second axis of a universal joint, perpendicular to the first", "a direction [x, y, z]")});
+    append(keys,
+           {key<E>("place", &E::place_at, kRequired, "m", "in the world at the start", kTriple),
+            key<E>("axis", &E::axis, "", "", "in the world at the start; not for ball and weld",
+                   "a direction [x, y, z]"),
+            key<E>("axis_b", &E::axis_b, "", "",
+                   "second axis of a universal joint, perpendicular to the first", "a direction [x, y, z]")});
     append(keys, material_keys<E>("N/m", "kg/s", "rigid"));
-    append(keys, {key("angular_stiffness", &E::angular_stiffness, "rigid", "N m", "of the rows that hold directions", kStiffness),
-                  key("angular_damping_time", &E::angular_damping_time, "0", "s", "of these rows", kNonNegative),
-                  key("angular_damping", &E::angular_damping, "0", "kg m^2/s", "of these rows", kNonNegative)});
+    append(keys,
+           {key<E>("angular_stiffness", &E::angular_stiffness, "rigid", "N m",
+                   "of the rows that hold directions", kStiffness),
+            key<E>("angular_damping_time", &E::angular_damping_time, "0", "s", "of these rows", kNonNegative),
+            key<E>("angular_damping", &E::angular_damping, "0", "kg m^2/s", "of these rows", kNonNegative)});
     return keys;
   }();
   return list;
@@ -215,8 +252,11 @@ const Keys<TurnEntry>& keys_of(const TurnEntry*) {
   using E = TurnEntry;
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>();
-    append(keys, {key("axis", &E::axis, kRequired, "", "of the turn, fixed in the first, in the world at the start", "a direction [x, y, z]"),
-                  key("target", &E::target, "0", "rad", "angle it is at rest at, counted from the start over turns; of t: a motor", kScalar)});
+    append(keys,
+           {key<E>("axis", &E::axis, kRequired, "",
+                   "of the turn, fixed in the first, in the world at the start", "a direction [x, y, z]"),
+            key<E>("target", &E::target, "0", "rad",
+                   "angle it is at rest at, counted from the start over turns; of t: a motor", kScalar)});
     append(keys, material_keys<E>("N m", "kg m^2/s", "required, or a material"));
     return keys;
   }();
@@ -227,9 +267,11 @@ const Keys<SlideEntry>& keys_of(const SlideEntry*) {
   using E = SlideEntry;
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>();
-    append(keys, {key("place", &E::place_at, kRequired, "m", "in the world at the start", kTriple),
-                  key("axis", &E::axis, kRequired, "", "fixed in the first, in the world at the start", "a direction [x, y, z]"),
-                  key("target", &E::target, "0", "m", "way it is at rest at, from the start; of t: a linear motor", kScalar)});
+    append(keys, {key<E>("place", &E::place_at, kRequired, "m", "in the world at the start", kTriple),
+                  key<E>("axis", &E::axis, kRequired, "", "fixed in the first, in the world at the start",
+                         "a direction [x, y, z]"),
+                  key<E>("target", &E::target, "0", "m",
+                         "way it is at rest at, from the start; of t: a linear motor", kScalar)});
     append(keys, material_keys<E>("N/m", "kg/s", "required, or a material"));
     return keys;
   }();
@@ -240,8 +282,10 @@ const Keys<PerpendicularEntry>& keys_of(const PerpendicularEntry*) {
   using E = PerpendicularEntry;
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>();
-    append(keys, {key("direction_a", &E::direction_a, kRequired, "", "fixed in the first, in the world at the start", "a direction [x, y, z]"),
-                  key("direction_b", &E::direction_b, kRequired, "", "fixed in the second, in the world at the start", "a direction [x, y, z]")});
+    append(keys, {key<E>("direction_a", &E::direction_a, kRequired, "",
+                         "fixed in the first, in the world at the start", "a direction [x, y, z]"),
+                  key<E>("direction_b", &E::direction_b, kRequired, "",
+                         "fixed in the second, in the world at the start", "a direction [x, y, z]")});
     append(keys, material_keys<E>("N m", "kg m^2/s", "rigid"));
     return keys;
   }();
@@ -251,30 +295,34 @@ const Keys<PerpendicularEntry>& keys_of(const PerpendicularEntry*) {
 const Keys<ForceEntry>& keys_of(const ForceEntry*) {
   using E = ForceEntry;
   static const Keys<E> list = {
-      key("on", &E::on, kRequired, "", "each member of a group", "a particle, a body (its centre of mass) or a group"),
-      key("force", &E::force, kRequired, "N", "in world axes",
-          "three components, each a number or an expression in t, x, y, z, vx, vy, vz")};
+      key<E>("on", &E::on, kRequired, "", "each member of a group",
+             "a particle, a body (its centre of mass) or a group"),
+      key<E>("force", &E::force, kRequired, "N", "in world axes",
+             "three components, each a number or an expression in t, x, y, z, vx, vy, vz")};
   return list;
 }
 
 const Keys<TorqueEntry>& keys_of(const TorqueEntry*) {
   using E = TorqueEntry;
-  static const Keys<E> list = {key("on", &E::on, kRequired, "", "the body it acts on", "the name of a body"),
-                               key("torque", &E::torque, kRequired, "N m", "constant in world axes", kTriple)};
+  static const Keys<E> list = {
+      key<E>("on", &E::on, kRequired, "", "the body it acts on", "the name of a body"),
+      key<E>("torque", &E::torque, kRequired, "N m", "constant in world axes", kTriple)};
   return list;
 }
 
 const Keys<ChainEntry>& keys_of(const ChainEntry*) {
   using E = ChainEntry;
   static const Keys<E> list = [] {
-    Keys<E> keys = {name_key<E>(kRequired),
-                    key("from", &E::from, kRequired, "m", "place of the first particle", kTriple),
-                    key("to", &E::to, kRequired, "m", "place of the last", kTriple),
-                    key("count", &E::count, kRequired, "", "particles name[0], name[1], ...", count_from(2)),
-                    key("mass", &E::mass, kRequired, "kg", "of the whole chain, in equal parts", kPositive)};
+    Keys<E> keys = {
+        name_key<E>(kRequired),
+        key<E>("from", &E::from, kRequired, "m", "place of the first particle", kTriple),
+        key<E>("to", &E::to, kRequired, "m", "place of the last", kTriple),
+        key<E>("count", &E::count, kRequired, "", "particles name[0], name[1], ...", count_from(2)),
+        key<E>("mass", &E::mass, kRequired, "kg", "of the whole chain, in equal parts", kPositive)};
     append(keys, material_keys<E>("N/m", "kg/s", "required, or a material"));
-    append(keys, {key("bending_stiffness", &E::bending_stiffness, "0", "N m", "straight at rest", kNonNegative),
-                  words_key("fixed", &E::fixed, "[]", "ends that never move", {"first", "last"})});
+    append(keys,
+           {key<E>("bending_stiffness", &E::bending_stiffness, "0", "N m", "straight at rest", kNonNegative),
+            words_key("fixed", &E::fixed, "[]", "ends that never move", {"first", "last"})});
     return keys;
   }();
   return list;
@@ -283,16 +331,21 @@ const Keys<ChainEntry>& keys_of(const ChainEntry*) {
 const Keys<ClothEntry>& keys_of(const ClothEntry*) {
   using E = ClothEntry;
   static const Keys<E> list = [] {
-    Keys<E> keys = {name_key<E>(kRequired),
-                    key("corner", &E::corner, "[0, 0, 0]", "m", "place of particle name[0,0]", kTriple),
-                    key("edge_u", &E::edge_u, kRequired, "m", "from there to name[count_u - 1,0]", kTriple),
-                    key("edge_v", &E::edge_v, kRequired, "m", "from there to name[0,count_v - 1]", kTriple),
-                    key("count", &E::count, kRequired, "", "particles along u and v", Range{2.0, kMaxNodes, false, false, true}),
-                    key("mass", &E::mass, kRequired, "kg", "of the whole cloth, in equal parts", kPositive)};
+    Keys<E> keys = {
+        name_key<E>(kRequired),
+        key<E>("corner", &E::corner, "[0, 0, 0]", "m", "place of particle name[0,0]", kTriple),
+        key<E>("edge_u", &E::edge_u, kRequired, "m", "from there to name[count_u - 1,0]", kTriple),
+        key<E>("edge_v", &E::edge_v, kRequired, "m", "from there to name[0,count_v - 1]", kTriple),
+        key<E>("count", &E::count, kRequired, "", "particles along u and v",
+               Range{2.0, kMaxNodes, false, false, true}),
+        key<E>("mass", &E::mass, kRequired, "kg", "of the whole cloth, in equal parts", kPositive)};
     append(keys, material_keys<E>("N/m", "kg/s", "required, or a material"));
-    append(keys, {key("shear_stiffness", &E::shear_stiffness, "stiffness", "N/m", "of both diagonals", kNonNegative),
-                  key("bend_stiffness", &E::bend_stiffness, "0", "N/m", "of springs to second neighbours", kNonNegative),
-                  words_key("fixed", &E::fixed, "[]", "corners (c00 is name[0,0], c10 lies along u) and sides that never move",
+    append(keys, {key<E>("shear_stiffness", &E::shear_stiffness, "stiffness", "N/m", "of both diagonals",
+                         kNonNegative),
+                  key<E>("bend_stiffness", &E::bend_stiffness, "0", "N/m", "of springs to second neighbours",
+                         kNonNegative),
+                  words_key("fixed", &E::fixed, "[]",
+                            "corners (c00 is name[0,0], c10 lies along u) and sides that never move",
                             {"c00", "c10", "c01", "c11", "u0", "u1", "v0", "v1"})});
     return keys;
   }();
@@ -302,13 +355,16 @@ const Keys<ClothEntry>& keys_of(const ClothEntry*) {
 const Keys<LatticeEntry>& keys_of(const LatticeEntry*) {
   using E = LatticeEntry;
   static const Keys<E> list = [] {
-    Keys<E> keys = {name_key<E>(kRequired),
-                    key("corner", &E::corner, "[0, 0, 0]", "m", "place of particle name[0,0,0]", kTriple),
-                    key("size", &E::size, kRequired, "m", "of the block along x, y, z", kTriple),
-                    key("count", &E::count, kRequired, "", "particles along x, y, z", Range{2.0, kMaxNodes, false, false, true}),
-                    key("mass", &E::mass, kRequired, "kg", "of the whole block, in equal parts", kPositive)};
+    Keys<E> keys = {
+        name_key<E>(kRequired),
+        key<E>("corner", &E::corner, "[0, 0, 0]", "m", "place of particle name[0,0,0]", kTriple),
+        key<E>("size", &E::size, kRequired, "m", "of the block along x, y, z", kTriple),
+        key<E>("count", &E::count, kRequired, "", "particles along x, y, z",
+               Range{2.0, kMaxNodes, false, false, true}),
+        key<E>("mass", &E::mass, kRequired, "kg", "of the whole block, in equal parts", kPositive)};
     append(keys, material_keys<E>("N/m", "kg/s", "required, or a material"));
-    append(keys, {words_key("fixed", &E::fixed, "[]", "faces that never move", {"x0", "x1", "y0", "y1", "z0", "z1"})});
+    append(keys, {words_key("fixed", &E::fixed, "[]", "faces that never move",
+                            {"x0", "x1", "y0", "y1", "z0", "z1"})});
     return keys;
   }();
   return list;
@@ -318,13 +374,16 @@ const Keys<NetEntry>& keys_of(const NetEntry*) {
   using E = NetEntry;
   static const Keys<E> list = [] {
     Keys<E> keys = {name_key<E>(kRequired),
-                    key("corner", &E::corner, "[0, 0, 0]", "m", "corner of plate name[0,0], which spans x and z", kTriple),
-                    key("count", &E::count, kRequired, "", "plates along x and z", Range{1.0, kMaxNodes, false, false, true}),
-                    key("edge", &E::edge, kRequired, "m", "of each square plate", kPositive),
-                    key("thickness", &E::thickness, kRequired, "m", "of each plate", kPositive),
-                    key("mass", &E::mass, kRequired, "kg", "of each plate", kPositive)};
+                    key<E>("corner", &E::corner, "[0, 0, 0]", "m",
+                           "corner of plate name[0,0], which spans x and z", kTriple),
+                    key<E>("count", &E::count, kRequired, "", "plates along x and z",
+                           Range{1.0, kMaxNodes, false, false, true}),
+                    key<E>("edge", &E::edge, kRequired, "m", "of each square plate", kPositive),
+                    key<E>("thickness", &E::thickness, kRequired, "m", "of each plate", kPositive),
+                    key<E>("mass", &E::mass, kRequired, "kg", "of each plate", kPositive)};
     append(keys, material_keys<E>("N/m", "kg/s", "rigid"));
-    append(keys, {words_key("fixed", &E::fixed, "[]", "sides joined to the world", {"x0", "x1", "z0", "z1"})});
+    append(keys,
+           {words_key("fixed", &E::fixed, "[]", "sides joined to the world", {"x0", "x1", "z0", "z1"})});
     return keys;
   }();
   return list;
@@ -332,10 +391,11 @@ const Keys<NetEntry>& keys_of(const NetEntry*) {
 
 template <class E>
 void read_list(const Value& value, const char* table, std::vector<E>& out, Diagnostics& problems) {
-  if (value.type != Value::Type::kArray || std::any_of(value.items.begin(), value.items.end(), [](const Value& v) {
-        return v.type != Value::Type::kTable;
-      })) {
-    problems.add(value.place, std::string(table) + " = " + value.shown() + ", expected tables [[" + table + "]]");
+  if (value.type != Value::Type::kArray ||
+      std::any_of(value.items.begin(), value.items.end(),
+                  [](const Value& v) { return v.type != Value::Type::kTable; })) {
+    problems.add(value.place,
+                 std::string(table) + " = " + value.shown() + ", expected tables [[" + table + "]]");
     return;
   }
   out.resize(value.items.size());
@@ -357,19 +417,27 @@ void for_each_table(Visit&& visit) {
   visit("point", &D::points, "A place of the world, at rest or in prescribed motion.");
   visit("particle", &D::particles, "A point mass.");
   visit("body", &D::bodies, "A rigid body.");
-  visit("spring", &D::springs, "A spring, or a rod where its stiffness is \"rigid\"; with stiffness 0 and a damping, a damper.");
+  visit("spring", &D::springs,
+        "A spring, or a rod where its stiffness is \"rigid\"; with stiffness 0 and a damping, a damper.");
   visit("law_spring", &D::law_springs, "A spring with a law of its own.");
   visit("bending", &D::bendings, "Resists bending at the middle one of three particles or points.");
   visit("joint", &D::joints, "A joint between two bodies, or a body and the \"world\".");
-  visit("turn", &D::turns, "Acts on the angle between two bodies about an axis: torsion spring, damper, motor. Goes with a hinge.");
+  visit("turn", &D::turns,
+        "Acts on the angle between two bodies about an axis: torsion spring, damper, motor. Goes with a "
+        "hinge.");
   visit("slide", &D::slides, "Acts on the way along an axis: spring, damper, linear motor.");
   visit("perpendicular", &D::perpendiculars, "Keeps two directions perpendicular.");
   visit("force", &D::forces, "An external force.");
   visit("torque", &D::torques, "An external torque.");
   visit("chain", &D::chains, "A line of particles on springs. Its particles form the group of its name.");
-  visit("cloth", &D::cloths, "A sheet of particles on structural, shear and bend springs. Its particles form the group of its name.");
-  visit("lattice", &D::lattices, "A block of particles, each tied to its 26 neighbours. Its particles form the group of its name.");
-  visit("net", &D::nets, "Square plates side by side with ball joints in the middle of shared edges. Its bodies form the group of its name.");
+  visit("cloth", &D::cloths,
+        "A sheet of particles on structural, shear and bend springs. Its particles form the group of its "
+        "name.");
+  visit("lattice", &D::lattices,
+        "A block of particles, each tied to its 26 neighbours. Its particles form the group of its name.");
+  visit("net", &D::nets,
+        "Square plates side by side with ball joints in the middle of shared edges. Its bodies form the "
+        "group of its name.");
 }
 
 }  // namespace
@@ -380,7 +448,8 @@ std::vector<TableInfo> scene_tables() {
     using E = typename std::decay_t<decltype(std::declval<Document>().*member)>::value_type;
     tables.push_back({name, what, true, infos(keys_of(static_cast<const E*>(nullptr)))});
     if (tables.back().name == "body")
-      tables.push_back({"body.parts", "A part of a body of shape \"parts\".", true, infos(keys_of(static_cast<const PartEntry*>(nullptr)))});
+      tables.push_back({"body.parts", "A part of a body of shape \"parts\".", true,
+                        infos(keys_of(static_cast<const PartEntry*>(nullptr)))});
   });
   return tables;
 }
@@ -389,7 +458,9 @@ Document read_document(const Value& root, const std::vector<std::string>& others
   Document document;
   document.label = "scene";
   std::vector<KeyInfo> known = infos(top_keys());
-  for_each_table([&](const char* name, auto, const char*) { known.push_back({name, "", "", "", "", false}); });
+  for_each_table([&](const char* name, auto, const char*) {
+    known.push_back({name, "", "", "", "", false});
+  });
   for (const std::string& name : others) known.push_back({name, "", "", "", "", false});
   check_keys(root, known, "scene", root.place, problems);
   for (const Key<Document>& key : top_keys())

@@ -10,7 +10,7 @@ namespace feder {
 
 /// An entry's own place and how messages call it: "spring 'rope'", "spring 3".
 struct Entry {
-  Place place = {};
+  TextPlace place = {};
   std::string label = {};
 };
 

@@ -13,7 +13,8 @@ void refuse(const KeyInfo& key, const Value& value, const std::string& where, co
             Diagnostics& problems) {
   std::string got = value.shown();
   if (value.type == Type::kText && value.text.empty()) got = "''";
-  problems.add(value.place, where + ": " + key.name + " = " + got + (key.unit.empty() || !value.items.empty() ? "" : " " + key.unit) +
+  problems.add(value.place, where + ": " + key.name + " = " + got +
+                                (key.unit.empty() || !value.items.empty() ? "" : " " + key.unit) +
                                 ", expected " + expectation);
 }
 
@@ -73,14 +74,16 @@ bool anchor_of(const KeyInfo& key, const Value& value, const std::string& where,
   if (const Value* point = value.find("point")) read_value(keys[1], *point, where, out.point, problems);
   if (const Value* place = value.find("place")) read_value(keys[2], *place, where, out.place, problems);
   if (out.point.given && out.place.given)
-    problems.add(out.place.place, where + ": " + key.name + " has both 'point' (in the body's axes) and 'place' (in the world), expected one");
+    problems.add(out.place.place,
+                 where + ": " + key.name +
+                     " has both 'point' (in the body's axes) and 'place' (in the world), expected one");
   return problems.count() == before;
 }
 
 }  // namespace
 
-void check_keys(const Value& table, const std::vector<KeyInfo>& keys, const std::string& where, Place place,
-                Diagnostics& problems) {
+void check_keys(const Value& table, const std::vector<KeyInfo>& keys, const std::string& where,
+                TextPlace place, Diagnostics& problems) {
   std::vector<std::string> names;
   for (const KeyInfo& key : keys) names.push_back(key.name);
   for (const Value::Member& member : table.members)
@@ -106,8 +109,8 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
   if (!number_of(value, range, out)) refuse(key, value, where, expectation_of(range), problems);
 }
 
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range, int& out,
-                Diagnostics& problems) {
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
+                int& out, Diagnostics& problems) {
   if (value.type == Type::kInteger && range.contains(value.number))
     out = static_cast<int>(value.integer);
   else
@@ -132,7 +135,8 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
 
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, Reference& out,
                 Diagnostics& problems) {
-  if (value.type != Type::kText || value.text.empty()) return refuse(key, value, where, key.expectation, problems);
+  if (value.type != Type::kText || value.text.empty())
+    return refuse(key, value, where, key.expectation, problems);
   out = {value.text, value.place, true};
 }
 
@@ -160,8 +164,8 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
   (void)anchor_of(key, value, where, out, problems);
 }
 
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, std::vector<AnchorText>& out,
-                Diagnostics& problems) {
+void read_value(const KeyInfo& key, const Value& value, const std::string& where,
+                std::vector<AnchorText>& out, Diagnostics& problems) {
   if (value.type != Type::kArray) return refuse(key, value, where, key.expectation, problems);
   std::vector<AnchorText> anchors(value.items.size());
   for (std::size_t i = 0; i < anchors.size(); ++i)
@@ -210,7 +214,8 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
     if (const Value* v = value.find("axis")) read_value(keys[0], *v, where, axis, problems);
     if (const Value* v = value.find("angle")) read_value(keys[1], *v, where, kAnyNumber, angle, problems);
     if (problems.count() > before) return;
-    if (!(axis.norm() > 0.0) || !std::isfinite(axis.norm())) return refuse(keys[0], *value.find("axis"), where, "a direction", problems);
+    if (!(axis.norm() > 0.0) || !std::isfinite(axis.norm()))
+      return refuse(keys[0], *value.find("axis"), where, "a direction", problems);
     out.axes = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
     return;
   }
@@ -238,7 +243,8 @@ void read_choice(const KeyInfo& key, const Value& value, const std::string& wher
 }
 
 void read_words(const KeyInfo& key, const Value& value, const std::string& where,
-                const std::vector<std::string>& choices, std::vector<std::string>& out, Diagnostics& problems) {
+                const std::vector<std::string>& choices, std::vector<std::string>& out,
+                Diagnostics& problems) {
   if (value.type != Type::kArray) return refuse(key, value, where, key.expectation, problems);
   std::vector<std::string> words;
   const std::size_t before = problems.count();

@@ -1,5 +1,5 @@
-// Binds the keys of a scene table to the members of a struct, so that reading, checking and the reference page
-// come from one list.
+// Binds the keys of a scene table to the members of a struct, so that reading, checking and the reference
+// page come from one list.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace feder {
 template <class T>
 struct Placed {
   T value{};
-  Place place{};
+  TextPlace place{};
   bool given = false;
 };
 
@@ -39,7 +39,7 @@ struct AnchorText {
 struct FunctionText {
   enum class Kind { kNone, kNumber, kExpression, kTable };
   Kind kind = Kind::kNone;
-  Place place = {};
+  TextPlace place = {};
   double number = 0.0;
   std::string expression = {};
   std::vector<std::array<double, 2>> pairs = {};
@@ -70,22 +70,29 @@ using Keys = std::vector<Key<Entry>>;
 using Out = Diagnostics&;
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
                 PlacedNumber& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range, double& out,
-                Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range, int& out,
-                Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
+                double& out, Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
+                int& out, Out problems);
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, bool& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, Reference& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, std::string& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, PlacedVector& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, Vector3d& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, std::vector<AnchorText>& out,
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, Reference& out,
                 Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, AnchorText& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, FunctionText& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, std::array<FunctionText, 3>& out,
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, std::string& out,
                 Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, Orientation& out, Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, PlacedVector& out,
+                Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, Vector3d& out,
+                Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where,
+                std::vector<AnchorText>& out, Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, AnchorText& out,
+                Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, FunctionText& out,
+                Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where,
+                std::array<FunctionText, 3>& out, Out problems);
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, Orientation& out,
+                Out problems);
 /// A numeric list of `range`.
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
                 std::vector<double>& out, Out problems);
@@ -98,8 +105,8 @@ void read_words(const KeyInfo& key, const Value& value, const std::string& where
 void read_mask(const KeyInfo& key, const Value& value, const std::string& where, FreeMask& out, Out problems);
 
 /// Reports keys the table does not have and required ones that are missing.
-void check_keys(const Value& table, const std::vector<KeyInfo>& keys, const std::string& where, Place place,
-                Diagnostics& problems);
+void check_keys(const Value& table, const std::vector<KeyInfo>& keys, const std::string& where,
+                TextPlace place, Diagnostics& problems);
 
 template <class Entry>
 std::vector<KeyInfo> infos(const Keys<Entry>& keys) {
@@ -120,23 +127,24 @@ void read_entry(const Value& table, const Keys<Entry>& keys, const std::string& 
 inline constexpr const char* kRequired = "required";
 
 /// A key of which the reader knows everything from the member's type.
-template <class Entry, class Member>
-Key<Entry> key(const char* name, Member Entry::*member, const char* default_value, const char* unit,
+template <class Entry, class Base, class Member>
+Key<Entry> key(const char* name, Member Base::*member, const char* default_value, const char* unit,
                const char* what, const char* expectation) {
   const bool required = default_value == kRequired;
   KeyInfo info{name, unit, what, expectation, required ? "" : default_value, required};
-  return {info, [info, member](Entry& entry, const Value& value, const std::string& where, Diagnostics& problems) {
+  return {info,
+          [info, member](Entry& entry, const Value& value, const std::string& where, Diagnostics& problems) {
             read_value(info, value, where, entry.*member, problems);
           }};
 }
 /// A number, integer or list of numbers with a range.
-template <class Entry, class Member>
-Key<Entry> key(const char* name, Member Entry::*member, const char* default_value, const char* unit,
+template <class Entry, class Base, class Member>
+Key<Entry> key(const char* name, Member Base::*member, const char* default_value, const char* unit,
                const char* what, const Range& range) {
   const bool required = default_value == kRequired;
   KeyInfo info{name, unit, what, range.expectation(), required ? "" : default_value, required};
-  return {info,
-          [info, member, range](Entry& entry, const Value& value, const std::string& where, Diagnostics& problems) {
+  return {info, [info, member, range](Entry& entry, const Value& value, const std::string& where,
+                                      Diagnostics& problems) {
             read_value(info, value, where, range, entry.*member, problems);
           }};
 }
@@ -145,9 +153,8 @@ Key<Entry> choice_key(const char* name, int Entry::*member, const char* default_
                       const std::vector<std::string>& choices) {
   const bool required = default_value == kRequired;
   KeyInfo info{name, "", what, "one of " + join(choices), required ? "" : default_value, required};
-  return {info,
-          [info, member, choices](Entry& entry, const Value& value, const std::string& where,
-                                  Diagnostics& problems) {
+  return {info, [info, member, choices](Entry& entry, const Value& value, const std::string& where,
+                                        Diagnostics& problems) {
             read_choice(info, value, where, choices, entry.*member, problems);
           }};
 }
@@ -155,16 +162,16 @@ template <class Entry>
 Key<Entry> words_key(const char* name, std::vector<std::string> Entry::*member, const char* default_value,
                      const char* what, const std::vector<std::string>& choices) {
   KeyInfo info{name, "", what, "an array of words out of " + join(choices), default_value, false};
-  return {info,
-          [info, member, choices](Entry& entry, const Value& value, const std::string& where,
-                                  Diagnostics& problems) {
+  return {info, [info, member, choices](Entry& entry, const Value& value, const std::string& where,
+                                        Diagnostics& problems) {
             read_words(info, value, where, choices, entry.*member, problems);
           }};
 }
 template <class Entry>
 Key<Entry> mask_key(const char* name, FreeMask Entry::*member, const char* what) {
   KeyInfo info{name, "", what, "a text of some of the letters xyz, \"\" for none", "xyz", false};
-  return {info, [info, member](Entry& entry, const Value& value, const std::string& where, Diagnostics& problems) {
+  return {info,
+          [info, member](Entry& entry, const Value& value, const std::string& where, Diagnostics& problems) {
             read_mask(info, value, where, entry.*member, problems);
           }};
 }

@@ -6,7 +6,7 @@
 
 #include "models/catalog.h"
 #include "models/scene_file/assembly.h"
-#include "models/scene_file/named_scene.h"
+#include "models/scene_file/scene_of.h"
 
 namespace feder {
 namespace {
@@ -33,7 +33,8 @@ Scene model_scene(const Value& root, const Document& document, const std::vector
   };
   for (const Value::Member& member : root.members)
     if (!among(allowed, member.key) && !among(others, member.key))
-      problems.add(member.place, "scene: " + quoted(member.key) + " beside a model, expected nothing but " + join(allowed));
+      problems.add(member.place,
+                   "scene: " + quoted(member.key) + " beside a model, expected nothing but " + join(allowed));
   try {
     return scene_of(make_model(document.model.value));
   } catch (const InputError& error) {
@@ -53,8 +54,8 @@ double diagonal(const System& s, const VectorXd& q) {
 
 // Energy is kept where nothing takes or gives any.
 bool conservative(const System& s) {
-  return !s.has_damping && !s.forces.has_drag && !s.forces.user && !s.forces.has_torques && s.drives.empty() &&
-         s.law_springs.empty();
+  return !s.has_damping && !s.forces.has_drag && !s.forces.user && !s.forces.has_torques &&
+         s.drives.empty() && s.law_springs.empty();
 }
 
 void set_times(const Document& document, const SceneOptions& options, Model& model, Diagnostics& problems) {
@@ -67,8 +68,8 @@ void set_times(const Document& document, const SceneOptions& options, Model& mod
 
 }  // namespace
 
-SceneFile read_scene_text(const std::string& text, const std::string& name, const std::filesystem::path& folder,
-                          const SceneOptions& options) {
+SceneFile read_scene_text(const std::string& text, const std::string& name,
+                          const std::filesystem::path& folder, const SceneOptions& options) {
   Diagnostics problems(name, options.changes);
   SceneFile file{{}, {}, parse_toml(text, problems)};
   problems.throw_if_any();
@@ -79,7 +80,8 @@ SceneFile read_scene_text(const std::string& text, const std::string& name, cons
   if (document.model.given) {
     file.scene = model_scene(file.root, document, options.others, problems);
   } else {
-    Assembly assembly(document, {options.most_nodes, options.most_rows, folder, options.allow_outside}, problems);
+    Assembly assembly(document, {options.most_nodes, options.most_rows, folder, options.allow_outside},
+                      problems);
     file.scene = assembly.build();
   }
   Model& model = file.scene.model;
@@ -89,7 +91,8 @@ SceneFile read_scene_text(const std::string& text, const std::string& name, cons
     model.name = name;
     if (!document.scene_length.given) model.scene_length = diagonal(model.system, model.state.q);
     if (!(model.scene_length > 0.0)) {
-      problems.add(document.place, "scene: 'scene_length' is missing, expected it where all places of the start coincide");
+      problems.add(document.place,
+                   "scene: 'scene_length' is missing, expected it where all places of the start coincide");
       problems.throw_if_any();
     }
     if (conservative(model.system)) model.conserved = {conserved_energy()};
@@ -100,7 +103,9 @@ SceneFile read_scene_text(const std::string& text, const std::string& name, cons
 SceneFile read_scene(const std::filesystem::path& file, const SceneOptions& options) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw InputError("scene " + quoted(file.string()) + ": " + error.message() + ", expected a readable file");
+  if (error)
+    throw InputError("scene " + quoted(file.string()) + ": " + error.message() +
+                     ", expected a readable file");
   if (size > kMostBytes)
     throw InputError(file.string() + ":1:1: file of " + std::to_string(size) + " bytes, expected at most " +
                      std::to_string(kMostBytes));
@@ -108,7 +113,8 @@ SceneFile read_scene(const std::filesystem::path& file, const SceneOptions& opti
   std::ostringstream text;
   text << stream.rdbuf();
   if (!stream) throw InputError("scene " + quoted(file.string()) + ": cannot be read");
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  const std::filesystem::path folder =
+      file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   return read_scene_text(text.str(), file.string(), folder, options);
 }
 

@@ -25,13 +25,13 @@ struct SceneFile {
   Value root;  ///< the whole file, changes applied; the caller reads its own tables from it
 };
 
-/// Reads a scene. Throws SceneError (an InputError) with every problem found, one line each: "file:line:column:
-/// what = value, expected ...", at most 20; InputError where the file cannot be read. Nothing is allocated
-/// in proportion to a count before it is checked.
+/// Reads a scene. Throws SceneError (an InputError) with every problem found, one line each:
+/// "file:line:column: what = value, expected ...", at most 20; InputError where the file cannot be read.
+/// Nothing is allocated in proportion to a count before it is checked.
 SceneFile read_scene(const std::filesystem::path& file, const SceneOptions& options = {});
 /// The same from text; `name` stands for the file in messages, `folder` is where mesh files are looked for.
-SceneFile read_scene_text(const std::string& text, const std::string& name, const std::filesystem::path& folder,
-                          const SceneOptions& options = {});
+SceneFile read_scene_text(const std::string& text, const std::string& name,
+                          const std::filesystem::path& folder, const SceneOptions& options = {});
 
 /// The reference page: every table and key with unit, default and meaning, as Markdown. `others` are the
 /// caller's tables.

@@ -20,10 +20,14 @@ struct KindInfo {
 };
 const KindInfo& info_of(int kind) {
   static const std::vector<KindInfo> list = {
-      {{"edges"}, {}},            {{"radius"}, {}},
-      {{"radius"}, {}, true, false}, {{"radius", "height"}, {}},
-      {{"length"}, {}, true, false}, {{"mesh"}, {"scale"}},
-      {{"inertia"}, {"centre"}, true, false}, {{"parts"}, {}, false, false},
+      {{"edges"}, {}},
+      {{"radius"}, {}},
+      {{"radius"}, {}, true, false},
+      {{"radius", "height"}, {}},
+      {{"length"}, {}, true, false},
+      {{"mesh"}, {"scale"}},
+      {{"inertia"}, {"centre"}, true, false},
+      {{"parts"}, {}, false, false},
   };
   return list[static_cast<std::size_t>(kind)];
 }
@@ -52,23 +56,32 @@ Shape simple_shape(const std::string& label, const ShapeKeys& k) {
       return {solid_box(label, mass_of(k, k.edges.value.prod()), k.edges.value), box_surface(k.edges.value)};
     case ShapeKeys::kSphere:
       return {solid_sphere(label, mass_of(k, 4.0 / 3.0 * kPi * r * r * r), r), sphere_surface(r)};
-    case ShapeKeys::kHollowSphere: return {hollow_sphere(label, k.mass.value, r), sphere_surface(r)};
+    case ShapeKeys::kHollowSphere:
+      return {hollow_sphere(label, k.mass.value, r), sphere_surface(r)};
     case ShapeKeys::kCylinder:
       return {solid_cylinder(label, mass_of(k, kPi * r * r * h), r, h), cylinder_surface(r, h)};
-    case ShapeKeys::kRod: return {thin_rod(label, k.mass.value, k.length.value), {}};
-    default: return {{k.mass.value, k.centre.value, inertia_of(k.inertia.value)}, {}};
+    case ShapeKeys::kRod:
+      return {thin_rod(label, k.mass.value, k.length.value), {}};
+    default:
+      return {{k.mass.value, k.centre.value, inertia_of(k.inertia.value)}, {}};
   }
 }
 
 }  // namespace
 
-bool ShapeReader::check_keys_of_kind(const std::string& label, Place place, const ShapeKeys& keys, bool has_parts) {
-  const std::pair<const char*, std::pair<bool, Place>> given[] = {
-      {"edges", {keys.edges.given, keys.edges.place}},       {"radius", {keys.radius.given, keys.radius.place}},
-      {"height", {keys.height.given, keys.height.place}},    {"length", {keys.length.given, keys.length.place}},
-      {"mesh", {keys.mesh.given, keys.mesh.place}},          {"scale", {keys.scale.given, keys.scale.place}},
-      {"inertia", {keys.inertia.given, keys.inertia.place}}, {"centre", {keys.centre.given, keys.centre.place}},
-      {"parts", {has_parts, place}},                         {"mass", {keys.mass.given, keys.mass.place}},
+bool ShapeReader::check_keys_of_kind(const std::string& label, TextPlace place, const ShapeKeys& keys,
+                                     bool has_parts) {
+  const std::pair<const char*, std::pair<bool, TextPlace>> given[] = {
+      {"edges", {keys.edges.given, keys.edges.place}},
+      {"radius", {keys.radius.given, keys.radius.place}},
+      {"height", {keys.height.given, keys.height.place}},
+      {"length", {keys.length.given, keys.length.place}},
+      {"mesh", {keys.mesh.given, keys.mesh.place}},
+      {"scale", {keys.scale.given, keys.scale.place}},
+      {"inertia", {keys.inertia.given, keys.inertia.place}},
+      {"centre", {keys.centre.given, keys.centre.place}},
+      {"parts", {has_parts, place}},
+      {"mass", {keys.mass.given, keys.mass.place}},
       {"density", {keys.density.given, keys.density.place}}};
   const KindInfo& kind = info_of(keys.shape.value);
   const std::size_t before = problems_.count();
@@ -76,15 +89,16 @@ bool ShapeReader::check_keys_of_kind(const std::string& label, Place place, cons
     return std::find(list.begin(), list.end(), word) != list.end();
   };
   for (const auto& [name, at] : given) {
-    const bool needed = in(kind.needed, name),
-               allowed = needed || in(kind.optional, name) || (std::string(name) == "mass" && kind.mass) ||
-                         (std::string(name) == "density" && kind.density);
+    const bool needed = in(kind.needed, name), allowed = needed || in(kind.optional, name) ||
+                                                         (std::string(name) == "mass" && kind.mass) ||
+                                                         (std::string(name) == "density" && kind.density);
     if (needed && !at.first) problems_.add(place, label + ": '" + name + "' is missing for this shape");
-    if (!allowed && at.first) problems_.add(at.second, label + ": '" + name + "' has no meaning for this shape");
+    if (!allowed && at.first)
+      problems_.add(at.second, label + ": '" + name + "' has no meaning for this shape");
   }
   if (kind.mass && keys.mass.given == keys.density.given)
     problems_.add(place, label + (keys.mass.given ? ": it has both mass and density, expected one"
-                                 : kind.density   ? ": 'mass' or 'density' is missing"
+                                  : kind.density  ? ": 'mass' or 'density' is missing"
                                                   : ": 'mass' is missing"));
   if (keys.mass.given && std::isinf(keys.mass.value))
     problems_.add(keys.mass.place, label + ": mass = 'fixed', expected a number > 0: parts have masses");
@@ -152,7 +166,7 @@ std::optional<Shape> ShapeReader::read_parts(const std::string& label, const std
   return whole;
 }
 
-std::optional<Shape> ShapeReader::read(const std::string& label, Place place, const ShapeKeys& keys,
+std::optional<Shape> ShapeReader::read(const std::string& label, TextPlace place, const ShapeKeys& keys,
                                        const std::vector<PartEntry>& parts) {
   if (!keys.shape.given || !check_keys_of_kind(label, place, keys, !parts.empty())) return std::nullopt;
   try {

@@ -25,11 +25,11 @@ class ShapeReader {
   ShapeReader(std::filesystem::path folder, bool allow_outside, Diagnostics& problems)
       : folder_(std::move(folder)), allow_outside_(allow_outside), problems_(problems) {}
 
-  std::optional<Shape> read(const std::string& label, Place place, const ShapeKeys& keys,
+  std::optional<Shape> read(const std::string& label, TextPlace place, const ShapeKeys& keys,
                             const std::vector<PartEntry>& parts);
 
  private:
-  bool check_keys_of_kind(const std::string& label, Place place, const ShapeKeys& keys, bool has_parts);
+  bool check_keys_of_kind(const std::string& label, TextPlace place, const ShapeKeys& keys, bool has_parts);
   std::optional<Shape> read_mesh_shape(const std::string& label, const ShapeKeys& keys);
   std::optional<Shape> read_parts(const std::string& label, const std::vector<PartEntry>& parts);
   std::optional<std::filesystem::path> inside(const std::string& label, const Reference& file);

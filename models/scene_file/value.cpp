@@ -1,5 +1,5 @@
-// Scene text to a tree of values. Limits are checked on the bytes first: toml++ 3.3 runs out of stack on a key
-// with 100 000 dots.
+// Scene text to a tree of values. Limits are checked on the bytes first: toml++ 3.3 runs out of stack on a
+// key with 100 000 dots.
 #include "models/scene_file/value.h"
 
 #include <algorithm>
@@ -41,7 +41,8 @@ class Scan {
     if (c == '"' || c == '\'') return skip_text(c);
     if (c == '#') {
       while (at_ < text_.size() && text_[at_] != '\n') ++at_;
-      return at_ - start_ < kLongestLine || refuse("line longer than " + std::to_string(kLongestLine) + " bytes");
+      return at_ - start_ < kLongestLine ||
+             refuse("line longer than " + std::to_string(kLongestLine) + " bytes");
     }
     if (c == '[' || c == '{') {
       if (++depth_ > kDeepestNesting)
@@ -92,8 +93,9 @@ class Scan {
   int line_ = 1, dots_ = 0, depth_ = 0, values_ = 0;
 };
 
-Place place_of(const toml::source_region& source) {
-  return {std::max(1, static_cast<int>(source.begin.line)), std::max(1, static_cast<int>(source.begin.column))};
+TextPlace place_of(const toml::source_region& source) {
+  return {std::max(1, static_cast<int>(source.begin.line)),
+          std::max(1, static_cast<int>(source.begin.column))};
 }
 
 Value converted(const toml::node& node) {
@@ -125,14 +127,14 @@ Value converted(const toml::node& node) {
   return value;
 }
 
-void move_to(Value& value, Place place) {
+void move_to(Value& value, TextPlace place) {
   value.place = place;
   for (Value& item : value.items) move_to(item, place);
   for (Value::Member& member : value.members) member.place = place, move_to(member.value, place);
 }
 
 // One TOML value; a word that is none is a text.
-Value value_of(const std::string& text, Place place, Diagnostics& problems) {
+Value value_of(const std::string& text, TextPlace place, Diagnostics& problems) {
   if (Scan(text, problems).within_limits() && text.find('\n') == std::string::npos)
     if (toml::parse_result result = toml::parse("value = " + text); result && result.table().size() == 1) {
       Value value = converted(*result.table().get("value"));
@@ -148,9 +150,8 @@ Value value_of(const std::string& text, Place place, Diagnostics& problems) {
 Value* entry(Value& array, const std::string& key) {
   for (Value& item : array.items)
     if (const Value* name = item.find("name"); name && name->text == key) return &item;
-  const bool digits = !key.empty() && key.size() < 9 && std::all_of(key.begin(), key.end(), [](char c) {
-    return c >= '0' && c <= '9';
-  });
+  const bool digits = !key.empty() && key.size() < 9 &&
+                      std::all_of(key.begin(), key.end(), [](char c) { return c >= '0' && c <= '9'; });
   const std::size_t index = digits ? std::stoul(key) : array.items.size();
   return index < array.items.size() ? &array.items[index] : nullptr;
 }
@@ -169,25 +170,38 @@ Value* Value::find(std::string_view key) {
 
 const char* Value::type_name() const {
   switch (type) {
-    case Type::kBoolean: return "a boolean";
-    case Type::kInteger: return "an integer";
-    case Type::kNumber: return "a number";
-    case Type::kText: return "a text";
-    case Type::kArray: return "an array";
-    case Type::kTable: return "a table";
-    case Type::kDate: return "a date or time";
+    case Type::kBoolean:
+      return "a boolean";
+    case Type::kInteger:
+      return "an integer";
+    case Type::kNumber:
+      return "a number";
+    case Type::kText:
+      return "a text";
+    case Type::kArray:
+      return "an array";
+    case Type::kTable:
+      return "a table";
+    case Type::kDate:
+      return "a date or time";
   }
   return "";
 }
 
 std::string Value::shown() const {
   switch (type) {
-    case Type::kBoolean: return boolean ? "true" : "false";
-    case Type::kInteger: return std::to_string(integer);
-    case Type::kNumber: return to_text(number);
-    case Type::kText: return quoted(text);
-    case Type::kArray: return "an array of " + std::to_string(items.size());
-    default: return type_name();
+    case Type::kBoolean:
+      return boolean ? "true" : "false";
+    case Type::kInteger:
+      return std::to_string(integer);
+    case Type::kNumber:
+      return to_text(number);
+    case Type::kText:
+      return quoted(text);
+    case Type::kArray:
+      return "an array of " + std::to_string(items.size());
+    default:
+      return type_name();
   }
 }
 
@@ -206,7 +220,7 @@ Value parse_toml(std::string_view text, Diagnostics& problems) {
 
 void set_value(Value& root, const std::string& path, const std::string& text, int index,
                Diagnostics& problems) {
-  const Place place{0, index};
+  const TextPlace place{0, index};
   Value* at = &root;
   for (std::size_t begin = 0;;) {
     const std::size_t end = std::min(path.find('.', begin), path.size());
@@ -225,7 +239,8 @@ void set_value(Value& root, const std::string& path, const std::string& text, in
       return;
     }
     if (next->type != Value::Type::kTable && next->type != Value::Type::kArray)
-      return problems.add(place, quoted(path.substr(0, end)) + " is " + next->type_name() + " and has no keys");
+      return problems.add(place,
+                          quoted(path.substr(0, end)) + " is " + next->type_name() + " and has no keys");
     at = next;
     begin = end + 1;
   }

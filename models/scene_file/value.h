@@ -8,7 +8,7 @@
 namespace feder {
 
 /// Where something stands in a scene file, both from 1. Line 0: in the `column`-th --set of the command line.
-struct Place {
+struct TextPlace {
   int line = 1, column = 1;
 };
 
@@ -18,7 +18,7 @@ struct Value {
   struct Member;
 
   Type type = Type::kTable;
-  Place place = {};
+  TextPlace place = {};
   bool boolean = false;
   std::int64_t integer = 0;
   double number = 0.0;  ///< of integers, too
@@ -34,7 +34,7 @@ struct Value {
 };
 struct Value::Member {
   std::string key;
-  Place place;
+  TextPlace place;
   Value value;
 };
 
