@@ -12,6 +12,7 @@ feder_packages=(
   libcli11-dev nlohmann-json3-dev libfmt-dev           # command line, manifests, text
   libspectra-dev                                       # eigenvalues
   libgtest-dev libbenchmark-dev librapidcheck-dev      # tests
+  libmuparser-dev libtinyobjloader-dev                 # judges in tests: of expressions, of mesh files
   gnuplot-nox                                          # charts
 )
 

@@ -30,9 +30,9 @@ struct SpringLaw {
 };
 
 /// Tension [N], > 0 pulls, as an expression in ("length", "rate") or a curve over the length. The energy is
-/// its integral from `rest` [m]: of a curve exact, of an expression by adaptive Gauss quadrature to 1e-13 of
-/// the integral of |tension|, NaN where that cannot be had (a tension that is not finite or wilder than the
-/// quadrature's budget).
+/// its integral from `rest` [m]: of a curve exact, of an expression by adaptive Gauss-Lobatto quadrature to
+/// 1e-13 of the integral of |tension|, NaN where that cannot be had (a tension that is not finite or wilder
+/// than the quadrature's budget).
 SpringLaw law_from(const Expression& expression, double rest);
 SpringLaw law_from(const Curve& curve, double rest);
 
