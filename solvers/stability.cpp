@@ -20,7 +20,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLanczosTolerance = 1e-11;
 // Roots and frequencies below this fraction of the largest are rounding noise of free motion.
 constexpr double kRelativeZero = 1e-6;
 
@@ -34,15 +33,21 @@ struct Eigenpair {
   VectorXd vector;
 };
 
+// What may stand in the way of a prediction: refused, or left out (hard rows do not act, bodies are at rest).
+enum class Obstacles { kRefused, kLeftOut };
+
 class Linearization {
  public:
-  Linearization(const System& s, const State& state);
+  Linearization(const System& s, const State& state, Obstacles obstacles = Obstacles::kRefused,
+                const LanczosOptions& lanczos = {});
 
   const Status& status() const { return status_; }
+  const std::string& obstacle() const { return obstacle_; }
   int size() const { return static_cast<int>(coordinates_.size()); }
   bool small() const { return size() <= kLargestDenseSize; }
   bool stressed() const { return stressed_; }
   bool damped() const { return system_.has_damping || system_.forces.has_drag; }
+  const System& system() const { return system_; }
   /// (alpha, tau) if C = alpha M + tau K on every mode, else nothing.
   std::optional<std::pair<double, double>> modal_damping() const;
 
@@ -51,29 +56,44 @@ class Linearization {
   Eigen::MatrixXd dense(const Weights& w) const;
   /// Largest eigenvalue of apply(w) + shift, and its vector; nothing if Lanczos does not converge.
   std::optional<Eigenpair> top(const Weights& w, double shift = 0.0) const;
+  /// top(kStiffness), computed once.
+  const std::optional<Eigenpair>& stiffest() const;
 
  private:
   const System& system_;
+  LanczosOptions lanczos_;
   Status status_;
+  std::string obstacle_;
   Kkt kkt_;
   bool stressed_ = false;
+  VectorXd stiffness_;            ///< d, 0 for hard rows
   std::vector<int> coordinates_;  ///< free ones
   VectorXd scale_;                ///< M^-1/2 over them
+  mutable std::optional<std::optional<Eigenpair>> stiffest_;
 };
 
-Linearization::Linearization(const System& s, const State& state) : system_(s) {
-  for (int k = 0; k < s.rows && status_.ok(); ++k)
-    if (std::isinf(s.stiffness[k]))
-      status_ = Status::failure(StatusCode::kRefused, s.row_name(k) + " is hard: its frequency is infinite");
-  for (std::size_t i = 0; i < s.bodies.size() && status_.ok(); ++i)
+// The first hard row, or the first body that turns or has a torque; empty if there is none.
+std::string first_obstacle(const System& s, const State& state) {
+  for (int k = 0; k < s.rows; ++k)
+    if (std::isinf(s.stiffness[k])) return s.row_name(k) + " is hard: its frequency is infinite";
+  for (std::size_t i = 0; i < s.bodies.size(); ++i)
     if (!state.v.segment<3>(3 * s.bodies[i].spin).isZero(0.0) || !s.bodies[i].torque.isZero(0.0))
-      status_ = Status::failure(
-          StatusCode::kRefused,
-          "predicted limits are for bodies at rest without torque: body " + std::to_string(i));
-  if (!status_.ok()) return;
+      return "predicted limits are for bodies at rest without torque: body " + std::to_string(i);
+  return {};
+}
+
+Linearization::Linearization(const System& s, const State& state, Obstacles obstacles,
+                             const LanczosOptions& lanczos)
+    : system_(s), lanczos_(lanczos) {
+  obstacle_ = first_obstacle(s, state);
+  if (!obstacle_.empty() && obstacles == Obstacles::kRefused) {
+    status_ = Status::failure(StatusCode::kRefused, obstacle_);
+    return;
+  }
   kkt_.prepare(s);
   if (status_ = kkt_.evaluate(state.q); !status_.ok()) return;
-  kkt_.set_geometric_stiffness(GeometricStiffness::kFull, 1.0, state, -s.stiffness.cwiseProduct(kkt_.phi));
+  stiffness_ = s.stiffness.array().isInf().select(0.0, s.stiffness.array());
+  kkt_.set_geometric_stiffness(GeometricStiffness::kFull, 1.0, state, -stiffness_.cwiseProduct(kkt_.phi));
   for (int i = 0; i < 3 * s.nodes; ++i)
     if (s.inverse_mass[i] > 0.0) coordinates_.push_back(i);
   scale_.resize(size());
@@ -111,7 +131,7 @@ VectorXd Linearization::apply(const Weights& w, const VectorXd& x) const {
   for (int i = 0; i < size(); ++i) full[coordinates_[i]] = scale_[i] * x[i];
   // J^T (material D + damping b) J
   kkt_.multiply_jacobian(full, y);
-  y.array() *= w.material * s.stiffness.array() + w.damping * s.damping.array();
+  y.array() *= w.material * stiffness_.array() + w.damping * s.damping.array();
   kkt_.add_jacobian_transpose(y, out);
   if (w.geometric != 0.0) kkt_.add_geometric(w.geometric * full, out);
   if (w.damping != 0.0) out.array() += w.damping * s.forces.drag.array() * full.array();
@@ -147,12 +167,20 @@ std::optional<Eigenpair> Linearization::top(const Weights& w, double shift) cons
     if (eigen.info() != Eigen::Success) return std::nullopt;
     return Eigenpair{eigen.eigenvalues()[size() - 1] + shift, eigen.eigenvectors().rightCols<1>()};
   }
+  // nothing to find in a matrix of zeros, and Spectra throws there
+  if (apply(w, VectorXd::LinSpaced(size(), 1.0, 2.0).array().sin().matrix()).isZero(0.0))
+    return Eigenpair{shift, VectorXd::Unit(size(), 0)};
   Product product{*this, w, shift};
   Spectra::SymEigsSolver<Product> solver(product, 1, 60);
   solver.init();
-  solver.compute(Spectra::SortRule::LargestAlge, 2000, kLanczosTolerance);
+  solver.compute(Spectra::SortRule::LargestAlge, lanczos_.most_restarts, lanczos_.tolerance);
   if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
   return Eigenpair{solver.eigenvalues()[0], solver.eigenvectors().col(0)};
+}
+
+const std::optional<Eigenpair>& Linearization::stiffest() const {
+  if (!stiffest_) stiffest_ = top(kStiffness);
+  return *stiffest_;
 }
 
 std::string number(double x) {
@@ -175,7 +203,7 @@ struct Method {
 
 // The limit over all modes, C = alpha M + tau K.
 StabilityLimit modal_limit(const Linearization& system, double alpha, double tau, const Method& method) {
-  const std::optional<Eigenpair> top = system.top(kStiffness);
+  const std::optional<Eigenpair>& top = system.stiffest();
   if (!top) return {kNaN, kNoConvergence};
   const double largest = std::max(0.0, top->value), damping = alpha + tau * largest;
   StabilityLimit limit{method.mode(largest, damping), "omega_max = " + number(std::sqrt(largest)) +
@@ -217,72 +245,28 @@ StabilityLimit companion_limit(const Linearization& system, const Method& method
   return limit;
 }
 
-StabilityLimit damped_limit(const System& s, const State& state, const Method& method) {
-  const Linearization system(s, state);
-  if (!system.status().ok()) return {kNaN, system.status().reason};
-  if (system.size() == 0) return {kInfinity, "nothing moves"};
-  StabilityLimit limit{kNaN, "the damping does not diagonalise with the stiffness and the system has " +
-                                 std::to_string(system.size()) + " free coordinates, more than " +
-                                 std::to_string(kLargestDenseSize)};
+constexpr Method kExplicitEuler{explicit_euler_limit, explicit_euler_limit}, kRk4{rk4_limit, rk4_limit};
+
+StabilityLimit damped_limit(const Linearization& system, const Method& method) {
   if (const auto modal = system.modal_damping())
-    limit = modal_limit(system, modal->first, modal->second, method);
-  else if (system.small())
-    limit = companion_limit(system, method);
-  limit.why += user_force_note(s);
-  return limit;
+    return modal_limit(system, modal->first, modal->second, method);
+  if (system.small()) return companion_limit(system, method);
+  return {kNaN, "the damping does not diagonalise with the stiffness and the system has " +
+                    std::to_string(system.size()) + " free coordinates, more than " +
+                    std::to_string(kLargestDenseSize)};
 }
 
-}  // namespace
-
-double largest_frequency(const System& s, const State& state) {
-  const Linearization system(s, state);
-  if (!system.status().ok()) return kNaN;
-  if (system.size() == 0) return 0.0;
-  const std::optional<Eigenpair> top = system.top(kStiffness);
-  return top ? std::sqrt(std::max(0.0, top->value)) : kNaN;
-}
-
-double largest_rate(const System& s, const State& state) {
-  const Linearization system(s, state);
-  if (!system.status().ok()) return kNaN;
-  if (system.size() == 0) return 0.0;
-  const std::optional<Eigenpair> stiffest = system.top(kStiffness);
-  if (!stiffest) return kNaN;
-  double c = 0.0;
-  if (system.damped()) {
-    const std::optional<Eigenpair> most_damped = system.top({0.0, 0.0, 1.0});
-    if (!most_damped) return kNaN;
-    c = std::max(0.0, most_damped->value);
-  }
-  return 0.5 * (c + std::sqrt(c * c + 4.0 * std::max(0.0, stiffest->value)));
-}
-
-StabilityLimit stability_limit_explicit_euler(const System& s, const State& state) {
-  return damped_limit(s, state, {explicit_euler_limit, explicit_euler_limit});
-}
-
-StabilityLimit stability_limit_rk4(const System& s, const State& state) {
-  return damped_limit(s, state, {rk4_limit, rk4_limit});
-}
-
-StabilityLimit stability_limit_leapfrog(const System& s, const State& state) {
-  const Linearization system(s, state);
-  if (!system.status().ok()) return {kNaN, system.status().reason};
-  if (system.size() == 0) return {kInfinity, "nothing moves"};
-  const std::optional<Eigenpair> top = system.top(kStiffness);
+StabilityLimit undamped_limit(const Linearization& system) {
+  const std::optional<Eigenpair>& top = system.stiffest();
   if (!top) return {kNaN, kNoConvergence};
   const double largest = std::max(0.0, top->value);
-  return {leapfrog_limit(largest, 0.0),
-          "omega_max = " + number(std::sqrt(largest)) + " rad/s" + user_force_note(s)};
+  return {leapfrog_limit(largest, 0.0), "omega_max = " + number(std::sqrt(largest)) + " rad/s"};
 }
 
-StabilityLimit stability_limit_notes_step(const System& s, const State& state) {
-  const Linearization system(s, state);
-  if (!system.status().ok()) return {kNaN, system.status().reason};
-  if (system.size() == 0) return {kInfinity, "nothing moves"};
-  if (!system.stressed()) return {kInfinity, "no row is stressed: Kg = 0" + user_force_note(s)};
+StabilityLimit notes_step_limit_of(const Linearization& system) {
+  if (!system.stressed()) return {kInfinity, "no row is stressed: Kg = 0"};
   // the shift makes Lanczos converge relative to the whole spectrum, not to an excess that may be 0
-  const std::optional<Eigenpair> stiffest = system.top(kStiffness);
+  const std::optional<Eigenpair>& stiffest = system.stiffest();
   if (!stiffest) return {kNaN, kNoConvergence};
   const double shift = std::abs(stiffest->value);
   const double mu = notes_step_rate(
@@ -297,9 +281,98 @@ StabilityLimit stability_limit_notes_step(const System& s, const State& state) {
       },
       1e-12 * shift, 1e-10);
   if (std::isnan(mu)) return {kNaN, kNoConvergence};
-  if (mu == 0.0) return {kInfinity, "nowhere does Kg exceed Km" + user_force_note(s)};
-  return {1.0 / mu,
-          "geometric stiffness exceeds Km: 4 M + 2 dt C + dt^2 (Km - Kg) is singular" + user_force_note(s)};
+  if (mu == 0.0) return {kInfinity, "nowhere does Kg exceed Km"};
+  return {1.0 / mu, "geometric stiffness exceeds Km: 4 M + 2 dt C + dt^2 (Km - Kg) is singular"};
+}
+
+// By the name of the integrator.
+StabilityLimit limit_of(const std::string& integrator, const Linearization& system) {
+  if (integrator == "implicit_euler_geometric" || integrator == "implicit_euler_newton")
+    return {kInfinity, "implicit, with a positive semidefinite Kg: damps every mode"};
+  if (!system.status().ok()) return {kNaN, system.status().reason};
+  if (system.size() == 0) return {kInfinity, "nothing moves"};
+  StabilityLimit limit{kNaN, "no prediction for this integrator"};
+  if (integrator == "explicit_euler") limit = damped_limit(system, kExplicitEuler);
+  if (integrator == "leapfrog") limit = undamped_limit(system);
+  if (integrator == "rk4") limit = damped_limit(system, kRk4);
+  if (integrator == "implicit_euler_notes") limit = notes_step_limit_of(system);
+  limit.why += user_force_note(system.system());
+  return limit;
+}
+
+Spectrum spectrum_of(const Linearization& system) {
+  if (!system.status().ok()) return {kNaN, kNaN, kNaN, system.status().reason};
+  Spectrum spectrum{0.0, kNaN, 0.0, system.obstacle()};
+  if (system.size() == 0) return spectrum;
+  if (system.damped()) {
+    const std::optional<Eigenpair> most_damped = system.top({0.0, 0.0, 1.0});
+    spectrum.largest_damping_rate = most_damped ? std::max(0.0, most_damped->value) : kNaN;
+  }
+  const std::optional<Eigenpair>& stiffest = system.stiffest();
+  spectrum.largest_frequency = stiffest ? std::sqrt(std::max(0.0, stiffest->value)) : kNaN;
+  if (!system.small()) return spectrum;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(system.dense(kStiffness),
+                                                             Eigen::EigenvaluesOnly);
+  const VectorXd omega = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  for (int i = system.size() - 1; i >= 0 && omega[i] > kRelativeZero * spectrum.largest_frequency; --i)
+    spectrum.smallest_frequency = omega[i];
+  return spectrum;
+}
+
+}  // namespace
+
+double largest_frequency(const System& s, const State& state) {
+  const Linearization system(s, state);
+  if (!system.status().ok()) return kNaN;
+  if (system.size() == 0) return 0.0;
+  const std::optional<Eigenpair>& top = system.stiffest();
+  return top ? std::sqrt(std::max(0.0, top->value)) : kNaN;
+}
+
+double largest_rate(const System& s, const State& state) {
+  const Linearization system(s, state);
+  if (!system.status().ok()) return kNaN;
+  if (system.size() == 0) return 0.0;
+  const std::optional<Eigenpair>& stiffest = system.stiffest();
+  if (!stiffest) return kNaN;
+  double c = 0.0;
+  if (system.damped()) {
+    const std::optional<Eigenpair> most_damped = system.top({0.0, 0.0, 1.0});
+    if (!most_damped) return kNaN;
+    c = std::max(0.0, most_damped->value);
+  }
+  return 0.5 * (c + std::sqrt(c * c + 4.0 * std::max(0.0, stiffest->value)));
+}
+
+StabilityLimit stability_limit(const std::string& integrator, const System& s, const State& state) {
+  return limit_of(integrator, Linearization(s, state));
+}
+
+StabilityLimit stability_limit_explicit_euler(const System& s, const State& state) {
+  return stability_limit("explicit_euler", s, state);
+}
+
+StabilityLimit stability_limit_rk4(const System& s, const State& state) {
+  return stability_limit("rk4", s, state);
+}
+
+StabilityLimit stability_limit_leapfrog(const System& s, const State& state) {
+  return stability_limit("leapfrog", s, state);
+}
+
+StabilityLimit stability_limit_notes_step(const System& s, const State& state) {
+  return stability_limit("implicit_euler_notes", s, state);
+}
+
+StabilityForecast forecast_stability(const System& s, const State& state,
+                                     const std::vector<std::string>& integrators,
+                                     const LanczosOptions& lanczos) {
+  const Linearization system(s, state, Obstacles::kLeftOut, lanczos);
+  StabilityForecast forecast{spectrum_of(system), {}};
+  for (const std::string& name : integrators)
+    forecast.limits.push_back(system.obstacle().empty() ? limit_of(name, system)
+                                                        : limit_of(name, Linearization(s, state)));
+  return forecast;
 }
 
 }  // namespace feder

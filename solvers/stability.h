@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <string>
+#include <vector>
 
 #include "engine/system.h"
 
@@ -66,6 +67,35 @@ StabilityLimit stability_limit_leapfrog(const System& system, const State& state
 /// As notes_step_limit above, matrix-free; stress comes from Kg at the state.
 StabilityLimit stability_limit_notes_step(const System& system, const State& state);
 
+/// The one of an integrator, by its name; NaN for one that has no prediction yet.
+StabilityLimit stability_limit(const std::string& integrator, const System& system, const State& state);
+
 inline constexpr int kLargestDenseSize = 300;
+
+/// Frequencies of the finite rows and law springs about a state, hard rows left out and bodies taken at rest.
+/// Hard rows only take freedom away, so `largest_frequency` bounds what is left of it (but for the Kg of
+/// their own multipliers). NaN at a degenerate or non-finite state and where an eigenvalue is missing.
+struct Spectrum {
+  double largest_frequency;   ///< [rad/s]; 0 without stiffness
+  double smallest_frequency;  ///< above 1e-6 of the largest; NaN beyond kLargestDenseSize and without [rad/s]
+  double
+      largest_damping_rate;  ///< largest eigenvalue of M^-1/2 C M^-1/2, twice the decay rate of a mode [1/s]
+  std::string left_out;      ///< the first hard row or turning body, or why there is no answer; else empty
+};
+
+/// Where Lanczos may stop: relative residual of the eigenvalue (whose own error is smaller), restarts of 60.
+struct LanczosOptions {
+  double tolerance = 1e-11;
+  int most_restarts = 2000;
+};
+
+/// The spectrum and, from the same linearisation, the limits of several integrators.
+struct StabilityForecast {
+  Spectrum spectrum;
+  std::vector<StabilityLimit> limits;
+};
+StabilityForecast forecast_stability(const System& system, const State& state,
+                                     const std::vector<std::string>& integrators,
+                                     const LanczosOptions& lanczos = {});
 
 }  // namespace feder
