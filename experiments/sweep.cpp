@@ -7,6 +7,7 @@
 
 #include "experiments/support/sweep_merge.h"
 #include "experiments/support/sweep_options.h"
+#include "experiments/support/timing.h"
 
 namespace {
 

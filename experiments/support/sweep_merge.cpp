@@ -66,7 +66,8 @@ std::string rerun(const std::vector<Part>& parts, Shard shard) {
     if (part.plan.shard == shard) out = shell_word(part.folder.string());
   }
   std::string command = "sweep";
-  for (const std::string& word : parts.front().plan.arguments) command += fmt::format(" {}", shell_word(word));
+  for (const std::string& word : parts.front().plan.arguments)
+    command += fmt::format(" {}", shell_word(word));
   if (shard.count > 1) command += fmt::format(" --shard {}/{}", shard.index, shard.count);
   return command + " --out " + out;
 }

@@ -103,6 +103,10 @@ class Sweep {
 
  private:
   struct Running {
+    Running(std::size_t position_, const std::vector<std::string>& command,
+            const std::filesystem::path& stderr_file, double limit)
+        : position(position_), child(command, stderr_file, limit) {}
+
     std::size_t position;
     Child child;
   };

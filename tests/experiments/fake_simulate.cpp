@@ -1,4 +1,5 @@
-// Stands for `simulate` where the sweep itself is tested: its command line, its manifest, and every way to fail.
+// Stands for `simulate` where the sweep itself is tested: its command line, its manifest, and every way to
+// fail.
 // `--set do=WORD` chooses the ending. Each start leaves a line in the file named by FAKE_SIMULATE_LOG.
 
 #include <signal.h>
@@ -44,12 +45,13 @@ void write_manifest(const Arguments& arguments, const std::string& status, const
   const auto given = arguments.set.find("method.dt");
   const double dt = given == arguments.set.end() ? 0.5 : std::strtod(given->second.c_str(), nullptr);
   std::FILE* file = std::fopen((arguments.out + "/manifest.tmp").c_str(), "w");
-  std::fprintf(file,
-               "{\"program\": \"simulate\", \"status\": \"%s\", \"reason\": \"%s\", \"results\": {"
-               "\"scene\": \"%s\", \"integrator\": \"fake\", \"dt\": %.17g, \"steps\": %d, \"error\": %.17g, "
-               "\"reference_error\": %s, \"energy_drift\": null, \"seconds\": %d.5}, \"results_hash\": \"0\"}\n",
-               status.c_str(), reason.c_str(), std::filesystem::path(arguments.scene).stem().c_str(), dt,
-               static_cast<int>(1 / dt), dt * dt / 3, arguments.reference ? "1e-12" : "null", ::getpid());
+  std::fprintf(
+      file,
+      "{\"program\": \"simulate\", \"status\": \"%s\", \"reason\": \"%s\", \"results\": {"
+      "\"scene\": \"%s\", \"integrator\": \"fake\", \"dt\": %.17g, \"steps\": %d, \"error\": %.17g, "
+      "\"reference_error\": %s, \"energy_drift\": null, \"seconds\": %d.5}, \"results_hash\": \"0\"}\n",
+      status.c_str(), reason.c_str(), std::filesystem::path(arguments.scene).stem().c_str(), dt,
+      static_cast<int>(1 / dt), dt * dt / 3, arguments.reference ? "1e-12" : "null", ::getpid());
   std::fclose(file);
   std::filesystem::rename(arguments.out + "/manifest.tmp", arguments.out + "/manifest.json");
 }

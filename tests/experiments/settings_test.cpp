@@ -95,6 +95,16 @@ TEST(LogGrid, HitsDecadesExactly) {
   EXPECT_EQ(parse_numbers("test", "1e-6:1e-3:4"), (std::vector<double>{1e-6, 1e-5, 1e-4, 1e-3}));
 }
 
+TEST(LinearGrid, HasExactEndsAndEqualSteps) {
+  EXPECT_EQ(parse_numbers("test", "-1:1:5:lin"), (std::vector<double>{-1, -0.5, 0, 0.5, 1}));
+  EXPECT_EQ(parse_numbers("test", "0.1:0.3:3:lin"), (std::vector<double>{0.1, 0.2, 0.3}));
+}
+
+TEST(LinearGrid, RefusesOtherWords) {
+  for (const char* text : {"0:1:3:log", "0:1:1:lin", "0:inf:3:lin", "0:1:3:lin:lin", "0:1:lin"})
+    EXPECT_THROW((void)parse_numbers("test", text), InputError) << text;
+}
+
 TEST(LogGrid, MayRunDownwards) {
   EXPECT_EQ(parse_numbers("test", "8:2:2"), (std::vector<double>{8, 2}));
 }

@@ -71,6 +71,7 @@ TEST(Table, RefusesBrokenCsvByRecord) {
     return "accepted";
   };
   EXPECT_NE(message("a,b\n1,2\n3\n").find("file.csv: record 3: 1 fields, expected 2"), std::string::npos);
+  EXPECT_NE(message("a,a\n1,2\n").find("record 1: the column 'a' appears twice"), std::string::npos);
   EXPECT_NE(message("a\n\"open\n").find("record 2: a quoted field does not end"), std::string::npos);
   EXPECT_NE(message("a\n\"b\"c\n").find("record 2: text after a closing quote"), std::string::npos);
   EXPECT_NE(message("").find("empty"), std::string::npos);
