@@ -22,9 +22,9 @@ struct Checkpoint {
   std::uint64_t scene_hash = 0;
   std::int64_t frame = 0;  ///< frames written: the index of the next one
   std::int64_t step = 0;   ///< steps made
-  State state;
-  History history;
-  std::vector<FilePosition> files;  ///< see FrameFiles::positions
+  State state = {};
+  History history = {};
+  std::vector<FilePosition> files = {};  ///< see FrameFiles::positions
 };
 
 /// Atomic. MisuseError where parse_checkpoint would refuse what is to be written, IoError.

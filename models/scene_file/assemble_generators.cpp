@@ -17,9 +17,10 @@ bool on_side(const std::vector<std::string>& fixed, const std::string& axis, int
 }
 
 std::string indexed(const std::string& name, const std::array<int, 3>& at, int dimensions) {
-  std::string text = name + "[" + std::to_string(at[0]);
-  for (std::size_t d = 1; d < static_cast<std::size_t>(dimensions); ++d) text += "," + std::to_string(at[d]);
-  return text + "]";
+  std::string text = name;
+  for (std::size_t d = 0; d < static_cast<std::size_t>(dimensions); ++d)
+    text.append(d == 0 ? "[" : ",").append(std::to_string(at[d]));
+  return text.append("]");
 }
 
 }  // namespace

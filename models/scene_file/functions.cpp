@@ -19,9 +19,10 @@ std::optional<Curve> curve_of(const FunctionText& text, const std::string& where
 std::optional<Expression> expression_of(const FunctionText& text, const std::vector<std::string>& variables,
                                         const std::string& where, Diagnostics& problems) {
   try {
-    return Expression(
-        text.kind == FunctionText::Kind::kNumber ? "(" + to_text(text.number) + ")" : text.expression,
-        variables);
+    std::string written = text.expression;
+    if (text.kind == FunctionText::Kind::kNumber)
+      written.append("(").append(to_text(text.number)).append(")");
+    return Expression(written, variables);
   } catch (const ExpressionError& error) {
     problems.add({text.place.line, text.place.column + (text.place.line > 0 ? error.column() : 0)},
                  where + ": " + error.what());

@@ -1,11 +1,8 @@
 #include "experiments/support/files.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
-#include <csignal>
-
+#include "tests/experiments/file_size_limit.h"
 #include "tests/experiments/temporary_folder.h"
 
 namespace feder::experiments {
@@ -35,25 +32,6 @@ TEST(WriteFile, NamesTheMissingFolder) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-/// While it lives, files of this process cannot grow beyond `bytes`: what a full disk looks like to a
-/// program.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{bytes, old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, SIG_DFL);
-  }
-
- private:
-  rlimit old_{};
-};
-
 TEST(WriteFile, KeepsTheOldFileWhenTheDiskIsFull) {
   const TemporaryFolder folder;
   write_file(folder.path() / "a.csv", "old");
@@ -62,6 +40,19 @@ TEST(WriteFile, KeepsTheOldFileWhenTheDiskIsFull) {
     EXPECT_THROW(write_file(folder.path() / "a.csv", std::string(5000, 'x')), IoError);
   }
   EXPECT_EQ(read_file(folder.path() / "a.csv"), "old");
+  EXPECT_EQ(number_of_files(folder.path()), 1u);
+}
+
+TEST(WriteFileUnsynced, ReplacesTheWholeTextOrKeepsIt) {
+  const TemporaryFolder folder;
+  write_file_unsynced(folder.path() / "a.vtu", "old");
+  {
+    const FileSizeLimit limit(1000);
+    EXPECT_THROW(write_file_unsynced(folder.path() / "a.vtu", std::string(5000, 'x')), IoError);
+  }
+  EXPECT_EQ(read_file(folder.path() / "a.vtu"), "old");
+  write_file_unsynced(folder.path() / "a.vtu", "new");
+  EXPECT_EQ(read_file(folder.path() / "a.vtu"), "new");
   EXPECT_EQ(number_of_files(folder.path()), 1u);
 }
 
