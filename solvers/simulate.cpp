@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "engine/check.h"
 
@@ -15,36 +16,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Kinetic energy against what the scene can give: what it had, what its springs held, the work of external
-// forces over the way moved, and (for scenes at rest) crossing itself once during the run.
-class DivergenceCheck {
- public:
-  DivergenceCheck(const System& s, const State& start, double span, double factor)
-      : system_(s), start_(start.q), factor_(factor) {
-    Eigen::Map<const Eigen::Matrix3Xd> x(start.q.data(), 3, s.places());
-    const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
-    scale_ = kinetic_energy(s, start) + row_energy(s, start) + s.mass.sum() * size * size / (span * span);
-  }
-  Status operator()(const State& state) {
-    const double kinetic = kinetic_energy(system_, state);
-    if (!std::isfinite(kinetic) || !state.q.allFinite())
-      return Status::failure(StatusCode::kNonFinite,
-                             "state is not finite at t = " + std::to_string(state.t) + " s");
-    if (kinetic <= factor_ * scale_) return {};
-    evaluate_external_forces(system_, state, force_);
-    const double limit = factor_ * (scale_ + force_.norm() * (state.q - start_).norm());
-    if (!(kinetic > limit)) return {};
-    return Status::failure(StatusCode::kDiverged, "kinetic energy " + std::to_string(kinetic) + " J passed " +
-                                                      std::to_string(limit) +
-                                                      " J at t = " + std::to_string(state.t) + " s");
-  }
-
- private:
-  const System& system_;
-  VectorXd start_, force_;
-  double factor_, scale_;
-};
-
 Status refuse_or_prepare(const System& system, Integrator& integrator) {
   if (const std::string why = refusal(integrator, system); !why.empty())
     return Status::failure(StatusCode::kRefused, why);
@@ -56,7 +27,9 @@ void run(const System& system, T& integrator, State& state, History& history, co
          RunResult& result) {
   const double t0 = state.t, end = options.end_time;
   const std::int64_t steps = step_count(t0, end, options.dt);
-  DivergenceCheck check(system, state, end - t0, options.divergence);
+  std::optional<DivergenceCheck> own;
+  if (!options.check) own.emplace(system, state, end - t0, options.divergence);
+  DivergenceCheck& check = options.check ? *options.check : *own;
   const auto start = std::chrono::steady_clock::now();
   for (std::int64_t n = 0; n < steps && result.status.ok(); ++n) {
     const bool last = n + 1 == steps;
@@ -82,6 +55,27 @@ void run(const System& system, T& integrator, State& state, History& history, co
 
 }  // namespace
 
+DivergenceCheck::DivergenceCheck(const System& s, const State& start, double span, double factor)
+    : system_(s), start_(start.q), factor_(factor) {
+  Eigen::Map<const Eigen::Matrix3Xd> x(start.q.data(), 3, s.places());
+  const double size = (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
+  scale_ = kinetic_energy(s, start) + row_energy(s, start) + s.mass.sum() * size * size / (span * span);
+}
+
+Status DivergenceCheck::operator()(const State& state) {
+  const double kinetic = kinetic_energy(system_, state);
+  if (!std::isfinite(kinetic) || !state.q.allFinite())
+    return Status::failure(StatusCode::kNonFinite,
+                           "state is not finite at t = " + std::to_string(state.t) + " s");
+  if (kinetic <= factor_ * scale_) return {};
+  evaluate_external_forces(system_, state, force_);
+  const double limit = factor_ * (scale_ + force_.norm() * (state.q - start_).norm());
+  if (!(kinetic > limit)) return {};
+  return Status::failure(StatusCode::kDiverged, "kinetic energy " + std::to_string(kinetic) + " J passed " +
+                                                    std::to_string(limit) +
+                                                    " J at t = " + std::to_string(state.t) + " s");
+}
+
 std::int64_t step_count(double t0, double end, double dt) {
   require_positive("run", "dt", dt, "s");
   require_finite("run", "start time", t0, "s");
@@ -102,7 +96,7 @@ RunResult simulate(const System& system, Integrator& integrator, State& state, H
                    const RunOptions& options) {
   RunResult result;
   (void)step_count(state.t, options.end_time, options.dt);
-  result.status = refuse_or_prepare(system, integrator);
+  if (options.prepare) result.status = refuse_or_prepare(system, integrator);
   if (!result.status.ok()) return result;
   std::visit([&](auto& i) { run(system, i, state, history, options, result); }, integrator);
   return result;

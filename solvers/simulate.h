@@ -8,6 +8,21 @@
 
 namespace feder {
 
+/// Looks for divergence: kinetic energy against what the scene can give: what it had, what its springs held,
+/// the work of external forces over the way moved, and (for scenes at rest) crossing itself once during the
+/// run.
+class DivergenceCheck {
+ public:
+  /// `span` is the length of the whole run [s]; `factor` as RunOptions::divergence.
+  DivergenceCheck(const System& system, const State& start, double span, double factor = 1e6);
+  Status operator()(const State& state);
+
+ private:
+  const System& system_;
+  VectorXd start_, force_;
+  double factor_, scale_;
+};
+
 struct RunOptions {
   double dt = 0.0;           ///< step [s]
   double end_time = 0.0;     ///< [s], later than the state's time
@@ -16,6 +31,9 @@ struct RunOptions {
   std::vector<EnergyLedger>* ledgers = nullptr;  ///< one per step if not null
   /// Called after every step; false ends the run with kInterrupted.
   std::function<bool(const State&, const History&)> observer = {};
+  /// For a run in pieces: the check of the whole run instead of one of its own (null: its own) ...
+  DivergenceCheck* check = nullptr;
+  bool prepare = true;  ///< ... and false where the integrator goes on from the piece before
 };
 
 struct RunResult {

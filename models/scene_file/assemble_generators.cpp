@@ -93,8 +93,9 @@ void Assembly::add_grid_springs(const Grid& grid, const std::array<int, 3>& step
 void Assembly::add_chains() {
   for (const ChainEntry& entry : document_.chains) {
     if (!claim(entry, entry.name)) continue;
+    names_[entry.name.value] = {};
     Material m;
-    if (!material_of(entry, entry, -1.0, m) || entry.count < 2 || !(entry.mass > 0.0)) continue;
+    if (!material_of(entry, entry, -1.0, m)) continue;
     const double n = entry.count, bending = entry.bending_stiffness > 0.0 ? 3.0 * n : 0.0;
     if (!require_counts(entry, n, n + bending)) continue;
     Grid grid{{entry.count, 1, 1}, 1};
@@ -122,10 +123,10 @@ void Assembly::add_chains() {
 void Assembly::add_cloths() {
   for (const ClothEntry& entry : document_.cloths) {
     if (!claim(entry, entry.name)) continue;
+    names_[entry.name.value] = {};
     Material m;
     Grid grid;
-    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 2, grid) || !(entry.mass > 0.0))
-      continue;
+    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 2, grid)) continue;
     const int nu = grid.count[0], nv = grid.count[1];
     const double nodes = static_cast<double>(nu) * nv;
     if (!require_counts(entry, nodes, 6.0 * nodes)) continue;
@@ -157,10 +158,10 @@ void Assembly::add_cloths() {
 void Assembly::add_lattices() {
   for (const LatticeEntry& entry : document_.lattices) {
     if (!claim(entry, entry.name)) continue;
+    names_[entry.name.value] = {};
     Material m;
     Grid grid;
-    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 3, grid) || !(entry.mass > 0.0))
-      continue;
+    if (!material_of(entry, entry, -1.0, m) || !counts_of(entry, entry.count, 3, grid)) continue;
     const auto [nx, ny, nz] = grid.count;
     const double nodes = static_cast<double>(nx) * ny * nz;
     if (!require_counts(entry, nodes, 13.0 * nodes)) continue;
@@ -184,10 +185,11 @@ void Assembly::add_lattices() {
 void Assembly::add_nets() {
   for (const NetEntry& entry : document_.nets) {
     if (!claim(entry, entry.name)) continue;
+    names_[entry.name.value] = {};
     Material m;
     Grid grid;
     const bool sound = material_of(entry, entry, kRigid, m) && counts_of(entry, entry.count, 2, grid);
-    if (!sound || !(entry.edge > 0.0) || !(entry.thickness > 0.0) || !(entry.mass > 0.0)) continue;
+    if (!sound) continue;
     const int nx = grid.count[0], nz = grid.count[1];
     const double plates = static_cast<double>(nx) * nz;
     if (!require_counts(entry, 3.0 * plates, 6.0 * plates) || group(entry.name.value) < 0) continue;

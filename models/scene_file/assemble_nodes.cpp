@@ -32,6 +32,7 @@ void Assembly::add_points() {
   for (const PointEntry& entry : document_.points) {
     if (!claim(entry, entry.name)) continue;
     names_[entry.name.value] = {};
+    if (entry.broken) continue;
     const bool moves = entry.motion[0].kind != FunctionText::Kind::kNone;
     if (moves == entry.position.given) {
       tell(entry, entry.place,
@@ -63,7 +64,7 @@ void Assembly::add_particles() {
   for (const ParticleEntry& entry : document_.particles) {
     if (!claim(entry, entry.name)) continue;
     names_[entry.name.value] = {};
-    if (!(entry.mass > 0.0)) continue;  // told by its reader
+    if (entry.broken) continue;
     const bool fixed = std::isinf(entry.mass);
     if (fixed && !entry.velocity.value.isZero(0.0)) {
       tell(entry, entry.velocity.place, "velocity of a fixed particle, expected none");
@@ -82,6 +83,7 @@ void Assembly::add_bodies() {
   for (const BodyEntry& entry : document_.bodies) {
     if (!claim(entry, entry.name)) continue;
     names_[entry.name.value] = {};
+    if (entry.broken) continue;
     const bool fixed = entry.mass.given && std::isinf(entry.mass.value);
     ShapeKeys keys = entry;
     if (fixed) keys.mass.value = 1.0;

@@ -30,6 +30,7 @@ bool Assembly::material_of(const Entry& entry, const MaterialKeys& keys, double 
     }
     material = found->second;
   }
+  if (entry.broken) return false;
   if (!keys.stiffness.given && !material && default_stiffness < 0.0) {
     tell(entry, entry.place, "'stiffness' is missing, expected it or a material");
     return false;
@@ -165,6 +166,7 @@ void Assembly::add_joints() {
     const MaterialKeys turned{{}, entry.angular_stiffness, entry.angular_damping_time, entry.angular_damping};
     const bool sound =
         material_of(entry, entry, kRigid, linear) && material_of(entry, turned, kRigid, angular);
+    if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
     const bool axis_wanted = entry.type != E::kBall && entry.type != E::kWeld;
     if (axis_wanted != entry.axis.given) {
       tell(entry, axis_wanted ? entry.place : entry.axis.place,
@@ -177,7 +179,6 @@ void Assembly::add_joints() {
           entry.axis_b.given ? "'axis_b' has no meaning for this type" : "'axis_b' is missing for this type");
       continue;
     }
-    if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
     const JointMaterial material{linear, angular};
     const Vector3d &at = entry.place_at, &n = entry.axis.value;
     attempt(entry, [&] {

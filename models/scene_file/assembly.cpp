@@ -44,6 +44,10 @@ bool Assembly::claim(const Entry& entry, const Reference& name) {
 int Assembly::group(const std::string& name) {
   const auto [at, fresh] =
       names_.emplace(name, Named{Kind::kGroup, {}, static_cast<int>(scene_.groups.size())});
+  if (!fresh && at->second.kind == Kind::kBroken) {  // a generator that turned out sound
+    at->second = {Kind::kGroup, {}, static_cast<int>(scene_.groups.size())};
+    scene_.groups.push_back({name, {}});
+  }
   if (fresh) scene_.groups.push_back({name, {}});
   return at->second.kind == Kind::kGroup ? at->second.index : -1;
 }
@@ -69,6 +73,8 @@ const Assembly::Named* Assembly::look_up(const Entry& entry, const Reference& na
                                          const std::vector<Kind>& kinds, const char* expectation) {
   if (!name.given) return nullptr;
   const auto found = names_.find(name.value);
+  const auto whole = names_.find(name.value.substr(0, name.value.find('[')));  // the generator it is part of
+  if (found == names_.end() && whole != names_.end() && whole->second.kind == Kind::kBroken) return nullptr;
   if (found == names_.end()) {
     std::vector<std::string> known;
     for (const auto& [other, named] : names_)

@@ -125,6 +125,7 @@ class Assembly {
 
 template <class Action>
 bool Assembly::attempt(const Entry& entry, Action&& action) {
+  if (entry.broken) return false;
   try {
     action();
     return true;

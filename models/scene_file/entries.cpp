@@ -405,7 +405,9 @@ void read_list(const Value& value, const char* table, std::vector<E>& out, Diagn
     out[i].place = item.place;
     out[i].label = std::string(table) + " " +
                    (name && name->type == Value::Type::kText ? quoted(name->text) : std::to_string(i));
+    const std::size_t before = problems.count();
     read_entry(item, keys_of(static_cast<const E*>(nullptr)), out[i].label, out[i], problems);
+    out[i].broken = problems.count() > before;
   }
 }
 

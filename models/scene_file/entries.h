@@ -12,6 +12,7 @@ namespace feder {
 struct Entry {
   TextPlace place = {};
   std::string label = {};
+  bool broken = false;  ///< some key was refused: names are still looked up, nothing is built
 };
 
 struct MaterialKeys {

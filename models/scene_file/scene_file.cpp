@@ -1,5 +1,6 @@
 #include "models/scene_file/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -71,14 +72,25 @@ void set_times(const Document& document, const SceneOptions& options, Model& mod
 SceneFile read_scene_text(const std::string& text, const std::string& name,
                           const std::filesystem::path& folder, const SceneOptions& options) {
   Diagnostics problems(name, options.changes);
-  SceneFile file{{}, {}, parse_toml(text, problems)};
+  SceneFile file;
+  Value root = parse_toml(text, problems);
   problems.throw_if_any();
-  apply_changes(file.root, options.changes, problems);
+  apply_changes(root, options.changes, problems);
   problems.throw_if_any();
-  const Document document = read_document(file.root, options.others, problems);
+  std::vector<std::string> others;
+  for (const OtherTable& other : options.others) others.push_back(other.name);
+  const Document document = read_document(root, others, problems);
+  for (const OtherTable& other : options.others) {
+    const Value* table = root.find(other.name);
+    if (table && table->type == Value::Type::kTable)
+      other.read(*table, problems);
+    else if (table)
+      problems.add(table->place,
+                   other.name + " = " + table->shown() + ", expected a table [" + other.name + "]");
+  }
   file.title = document.title;
   if (document.model.given) {
-    file.scene = model_scene(file.root, document, options.others, problems);
+    file.scene = model_scene(root, document, others, problems);
   } else {
     Assembly assembly(document, {options.most_nodes, options.most_rows, folder, options.allow_outside},
                       problems);
@@ -88,7 +100,7 @@ SceneFile read_scene_text(const std::string& text, const std::string& name,
   set_times(document, options, model, problems);
   problems.throw_if_any();
   if (!document.model.given) {
-    model.name = name;
+    model.name = std::filesystem::path(name).stem().string();
     if (!document.scene_length.given) model.scene_length = diagonal(model.system, model.state.q);
     if (!(model.scene_length > 0.0)) {
       problems.add(document.place,
@@ -100,22 +112,26 @@ SceneFile read_scene_text(const std::string& text, const std::string& name,
   return file;
 }
 
-SceneFile read_scene(const std::filesystem::path& file, const SceneOptions& options) {
+std::string read_scene_bytes(const std::filesystem::path& file) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error)
     throw InputError("scene " + quoted(file.string()) + ": " + error.message() +
                      ", expected a readable file");
   if (size > kMostBytes)
-    throw InputError(file.string() + ":1:1: file of " + std::to_string(size) + " bytes, expected at most " +
+    throw SceneError(file.string() + ":1:1: file of " + std::to_string(size) + " bytes, expected at most " +
                      std::to_string(kMostBytes));
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();
   if (!stream) throw InputError("scene " + quoted(file.string()) + ": cannot be read");
+  return text.str();
+}
+
+SceneFile read_scene(const std::filesystem::path& file, const SceneOptions& options) {
   const std::filesystem::path folder =
       file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  return read_scene_text(text.str(), file.string(), folder, options);
+  return read_scene_text(read_scene_bytes(file), file.string(), folder, options);
 }
 
 }  // namespace feder

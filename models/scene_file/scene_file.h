@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,19 @@
 
 namespace feder {
 
+/// A table of the file that is not physics, read by the caller. `read` is given the table and where to tell
+/// its problems, so that they come together with those of the scene.
+struct OtherTable {
+  std::string name;
+  std::function<void(const Value& table, Diagnostics& problems)> read;
+};
+
 /// How a scene file is read.
 struct SceneOptions {
   std::vector<std::string> changes = {};  ///< of --set: "spring.rope.stiffness=1e5", applied before checking
-  std::vector<std::string> others = {"method", "output"};  ///< tables left to the caller
-  bool quick = false;                                      ///< end at quick_end_time where the file has one
-  bool allow_outside = false;                              ///< mesh files may lie outside the scene's folder
+  std::vector<OtherTable> others = {};
+  bool quick = false;          ///< end at quick_end_time where the file has one
+  bool allow_outside = false;  ///< mesh files may lie outside the scene's folder
   double most_nodes = kMaxNodes, most_rows = kMaxRows;
 };
 
@@ -22,13 +30,14 @@ struct SceneOptions {
 struct SceneFile {
   Scene scene;
   std::string title;
-  Value root;  ///< the whole file, changes applied; the caller reads its own tables from it
 };
 
 /// Reads a scene. Throws SceneError (an InputError) with every problem found, one line each:
 /// "file:line:column: what = value, expected ...", at most 20; InputError where the file cannot be read.
 /// Nothing is allocated in proportion to a count before it is checked.
 SceneFile read_scene(const std::filesystem::path& file, const SceneOptions& options = {});
+/// The bytes of a scene file. InputError if it cannot be read or is too large.
+std::string read_scene_bytes(const std::filesystem::path& file);
 /// The same from text; `name` stands for the file in messages, `folder` is where mesh files are looked for.
 SceneFile read_scene_text(const std::string& text, const std::string& name,
                           const std::filesystem::path& folder, const SceneOptions& options = {});

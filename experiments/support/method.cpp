@@ -1,0 +1,135 @@
+#include "experiments/support/method.h"
+
+#include <cmath>
+
+#include "engine/check.h"
+#include "solvers/integrators.h"
+#include "solvers/linear/linear_solver.h"
+
+namespace feder::experiments {
+namespace {
+
+struct MethodEntry : Entry {
+  int integrator = 0, route = 0, rotation_update = 0;
+  double dt = 0.0, tolerance = 0.0, newton_tolerance = IntegratorOptions{}.newton_tolerance;
+  double max_seconds = 0.0, divergence = 1e6;
+  int most_newton_iterations = IntegratorOptions{}.most_newton_iterations;
+};
+struct OutputEntry : Entry {
+  double interval = 0.0;
+  std::vector<double> times = {};
+  std::vector<std::string> files = Output{}.files;
+  int checkpoint_frames = 0;
+};
+
+std::vector<std::string> integrators() {
+  std::vector<std::string> names = {"auto"};
+  for (const IntegratorInfo& info : integrator_list()) names.emplace_back(info.name);
+  return names;
+}
+
+std::vector<std::string> routes() {
+  std::vector<std::string> names = route_names();
+  names.insert(names.begin(), "auto");
+  return names;
+}
+
+const Keys<MethodEntry>& method_keys() {
+  using E = MethodEntry;
+  static const Keys<E> list = {
+      choice_key("integrator", &E::integrator, "auto", "auto takes what --explain recommends", integrators()),
+      choice_key("route", &E::route, "auto", "linear route of the implicit ones", routes()),
+      key<E>("dt", &E::dt, "as recommended", "s",
+             "largest step; steps between two output times are equal, so they may be a little shorter",
+             kPositive),
+      key<E>("tolerance", &E::tolerance, "", "m",
+             "step-size control by step doubling instead of fixed steps; dt is then the first step",
+             kPositive),
+      choice_key("rotation_update", &E::rotation_update, "exponential",
+                 "of explicit and one-step implicit Euler", {"exponential", "normalised_euler"}),
+      key<E>("newton_tolerance", &E::newton_tolerance, "1e-14", "",
+             "relative residual of implicit_euler_newton", Range{0.0, 1.0, true}),
+      key<E>("most_newton_iterations", &E::most_newton_iterations, "200", "", "of implicit_euler_newton",
+             Range{1.0, 1e6, false, false, true}),
+      key<E>("max_seconds", &E::max_seconds, "none", "s", "wall time after which a run is given up",
+             kPositive),
+      key<E>("divergence", &E::divergence, "1e6", "",
+             "kinetic energy, in units of the scene's, that ends a run", Range{1.0, 1e300}),
+  };
+  return list;
+}
+
+const Keys<OutputEntry>& output_keys() {
+  using E = OutputEntry;
+  static const Keys<E> list = {
+      key<E>("interval", &E::interval, "a hundredth of the run", "s", "between two frames", kPositive),
+      key<E>("times", &E::times, "", "s", "of the frames instead of an interval; the start is always there",
+             kPositive),
+      words_key("files", &E::files, "[\"states\", \"energy\"]",
+                "states.csv, trajectory.csv, trajectory.npy, rows.csv, energy.csv, and a ParaView series",
+                output_files()),
+      key<E>("checkpoint_frames", &E::checkpoint_frames, "about 200 steps", "",
+             "frames from one checkpoint to the next", Range{1.0, 1e9, false, false, true}),
+  };
+  return list;
+}
+
+}  // namespace
+
+const std::vector<std::string>& output_files() {
+  static const std::vector<std::string> words = {"states", "trajectory", "npy", "rows", "energy", "vtu"};
+  return words;
+}
+
+std::vector<TableInfo> method_tables() {
+  return {{"method", "How the scene is advanced.", false, infos(method_keys())},
+          {"output", "When to look, and what to write down.", false, infos(output_keys())}};
+}
+
+std::vector<OtherTable> method_readers(Method& method, Output& output) {
+  auto read_method = [&method](const Value& table, Diagnostics& problems) {
+    MethodEntry entry;
+    read_entry(table, method_keys(), "method", entry, problems);
+    method.integrator = integrators()[static_cast<std::size_t>(entry.integrator)];
+    method.dt = entry.dt, method.tolerance = entry.tolerance;
+    method.max_seconds = entry.max_seconds, method.divergence = entry.divergence;
+    method.options.route = routes()[static_cast<std::size_t>(entry.route)];
+    method.options.rotation_update =
+        entry.rotation_update == 0 ? RotationUpdate::kExponential : RotationUpdate::kNormalisedEuler;
+    method.options.newton_tolerance = entry.newton_tolerance;
+    method.options.most_newton_iterations = entry.most_newton_iterations;
+  };
+  auto read_output = [&output](const Value& table, Diagnostics& problems) {
+    OutputEntry entry;
+    read_entry(table, output_keys(), "output", entry, problems);
+    if (const Value* times = table.find("times"); times && table.find("interval"))
+      problems.add(times->place, "output: it has both interval and times, expected one");
+    output = {entry.interval, entry.times, entry.files, entry.checkpoint_frames};
+  };
+  return {{"method", read_method}, {"output", read_output}};
+}
+
+std::vector<double> frame_times(const Output& output, double end_time) {
+  std::vector<double> times = {0.0};
+  if (!output.times.empty()) {
+    for (double t : output.times) {
+      if (!(t > times.back()) || t > end_time)
+        fail_input("output", "time", t, "s", "ascending times up to the end, " + to_text(end_time) + " s");
+      times.push_back(t);
+    }
+    if (times.back() < end_time) times.push_back(end_time);
+    return times;
+  }
+  const double interval = output.interval > 0.0 ? output.interval : end_time / 100.0;
+  const double count = end_time / interval;
+  if (!(count <= kMostFrames)) fail_input("output", "interval", interval, "s", "at most 1e7 frames");
+  const auto whole = static_cast<std::int64_t>(std::floor(count + 1e-9));
+  for (std::int64_t k = 1; k <= whole; ++k) times.push_back(static_cast<double>(k) * interval);
+  if (whole >= 1 && std::abs(times.back() - end_time) <= 1e-9 * interval)
+    times.back() = end_time;
+  else
+    times.push_back(end_time);
+  return times;
+}
+
+}  // namespace feder::experiments
