@@ -76,11 +76,11 @@ std::array<double, kForceInputs> inputs(double t, const VectorXd& q, const Vecto
 /// out (3 x 3) = symmetric part of -dF/dx.
 void write_stiffness(const ForceField& field, const std::array<double, kForceInputs>& at, double* out) {
   Eigen::Map<Matrix3d> K(out);
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     std::array<double, kForceInputs> direction{};
-    direction[static_cast<std::size_t>(1 + axis)] = 1.0;
+    direction[1 + axis] = 1.0;
     for (int i = 0; i < 3; ++i)
-      K(i, axis) = -field.force[static_cast<std::size_t>(i)].along(at, direction).first;
+      K(i, static_cast<int>(axis)) = -field.force[static_cast<std::size_t>(i)].along(at, direction).first;
   }
   K = (0.5 * (K + K.transpose())).eval();
 }

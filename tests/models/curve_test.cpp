@@ -72,6 +72,13 @@ TEST(Curve, RisesWhereItsPointsDo) {
   EXPECT_GT(bent, 1000);
 }
 
+TEST(Curve, HasTheSlopesOfFritschAndButland) {
+  const Curve curve("curve", {0.0, 1.0, 3.0}, {0.0, 1.0, 7.0});
+  EXPECT_NEAR(curve.at(0.0).first, 1.0 / 3.0, 1e-15);
+  EXPECT_NEAR(curve.at(1.0).first, 27.0 / 19.0, 1e-15);  // 9/(5/1 + 4/3)
+  EXPECT_NEAR(curve.at(3.0).first, 13.0 / 3.0, 2e-15);
+}
+
 TEST(Curve, IsExactOnLinesAndBeyondItsEnds) {
   const std::vector<double> x = {-1.0, 0.25, 0.5, 2.0, 7.0};
   std::vector<double> y;
