@@ -9,6 +9,7 @@
 #include "experiments/support/hash.h"
 #include "experiments/support/simulate_manifest.h"
 #include "experiments/support/timing.h"
+#include "solvers/integrators.h"
 #include "solvers/threads.h"
 
 namespace {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "engine/energy.h"
+#include "experiments/support/files.h"
 #include "experiments/support/interrupt.h"
 #include "experiments/support/measure.h"
 #include "experiments/support/timing.h"
@@ -140,7 +141,7 @@ class Run {
 
   Status out_of_time(const State& state) const {
     return Status::failure(StatusCode::kLimitReached,
-                           "wall-clock budget used up at t = " + to_text(state.t) + " s");
+                           "wall-clock budget used up at t = " + feder::to_text(state.t) + " s");
   }
 
   void write(std::int64_t frame) {

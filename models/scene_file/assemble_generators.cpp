@@ -51,7 +51,7 @@ bool Assembly::counts_of(const Entry& entry, const std::vector<double>& numbers,
 }
 
 template <class At>
-bool Assembly::add_grid(const Entry& entry, const Reference& name, double mass, Grid& grid, At&& node_at) {
+bool Assembly::add_grid(const Entry& entry, const NameText& name, double mass, Grid& grid, At&& node_at) {
   const double total = static_cast<double>(grid.count[0]) * grid.count[1] * grid.count[2];
   if (group(name.value) < 0) return false;
   grid.first = static_cast<int>(scene_.nodes.size());

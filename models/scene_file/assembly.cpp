@@ -27,7 +27,7 @@ void Assembly::tell(const Entry& entry, TextPlace place, const std::string& mess
   problems_.add(place, entry.label + ": " + message);
 }
 
-bool Assembly::claim(const Entry& entry, const Reference& name) {
+bool Assembly::claim(const Entry& entry, const NameText& name) {
   if (!name.given) return false;  // its absence has been told
   if (name.value == "world") {
     tell(entry, name.place, "name = 'world', expected another name: this one stands for the world");
@@ -53,7 +53,7 @@ int Assembly::group(const std::string& name) {
 }
 
 void Assembly::name_node(const Entry& entry, const std::string& name, SceneNode::Kind kind,
-                         const Anchor& anchor, const Reference& group_name) {
+                         const Anchor& anchor, const NameText& group_name) {
   const int index = static_cast<int>(scene_.nodes.size());
   scene_.nodes.push_back({name, kind, anchor.node, anchor.body});
   const Kind named = kind == SceneNode::Kind::kBody    ? Kind::kBody
@@ -69,7 +69,7 @@ void Assembly::name_node(const Entry& entry, const std::string& name, SceneNode:
     scene_.groups[static_cast<std::size_t>(at)].members.push_back(index);
 }
 
-const Assembly::Named* Assembly::look_up(const Entry& entry, const Reference& name,
+const Assembly::Named* Assembly::look_up(const Entry& entry, const NameText& name,
                                          const std::vector<Kind>& kinds, const char* expectation) {
   if (!name.given) return nullptr;
   const auto found = names_.find(name.value);
@@ -103,7 +103,7 @@ Vector3d Assembly::place_of(const Anchor& anchor) const {
   return pose.position + pose.axes * anchor.point;
 }
 
-void Assembly::record(const Entry& entry, const Reference& name, const std::vector<int>& ids,
+void Assembly::record(const Entry& entry, const NameText& name, const std::vector<int>& ids,
                       const std::vector<std::string>& types, const std::vector<Anchor>& nodes) {
   for (std::size_t i = 0; i < ids.size(); ++i)
     rows_.push_back({{name.given ? name.value : entry.label, types[i], 0, 1, nodes}, ids[i]});

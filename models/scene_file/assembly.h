@@ -46,11 +46,11 @@ class Assembly {
   void tell(const Entry& entry, TextPlace place, const std::string& message);
 
   // names
-  bool claim(const Entry& entry, const Reference& name);
+  bool claim(const Entry& entry, const NameText& name);
   void name_node(const Entry& entry, const std::string& name, SceneNode::Kind kind, const Anchor& anchor,
-                 const Reference& group);
+                 const NameText& group);
   int group(const std::string& name);
-  const Named* look_up(const Entry& entry, const Reference& name, const std::vector<Kind>& kinds,
+  const Named* look_up(const Entry& entry, const NameText& name, const std::vector<Kind>& kinds,
                        const char* expectation);
 
   // nodes
@@ -67,7 +67,7 @@ class Assembly {
   bool ends_of(const Entry& entry, const std::vector<AnchorText>& between, Anchor& a, Anchor& b);
   bool bodies_of(const Entry& entry, const std::vector<AnchorText>& between, Anchor& a, Anchor& b);
   Vector3d place_of(const Anchor& anchor) const;
-  void record(const Entry& entry, const Reference& name, const std::vector<int>& ids,
+  void record(const Entry& entry, const NameText& name, const std::vector<int>& ids,
               const std::vector<std::string>& types, const std::vector<Anchor>& nodes);
   void add_springs();
   void add_law_springs();
@@ -94,7 +94,7 @@ class Assembly {
     bool fixed;
   };
   template <class At>
-  bool add_grid(const Entry& entry, const Reference& name, double mass, Grid& grid, At&& node_at);
+  bool add_grid(const Entry& entry, const NameText& name, double mass, Grid& grid, At&& node_at);
   // A spring from every node to the one `step` further, where there is one.
   void add_grid_springs(const Grid& grid, const std::array<int, 3>& step, const Material& material);
   bool counts_of(const Entry& entry, const std::vector<double>& numbers, std::size_t wanted, Grid& grid);

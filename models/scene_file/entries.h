@@ -16,21 +16,21 @@ struct Entry {
 };
 
 struct MaterialKeys {
-  Reference material = {};  ///< name of a [[material]]
+  NameText material = {};  ///< name of a [[material]]
   PlacedNumber stiffness = {}, damping_time = {}, damping = {};
 };
 
 struct MaterialEntry : Entry {
-  Reference name = {};
+  NameText name = {};
   double stiffness = 0.0, damping_time = 0.0, damping = 0.0;
 };
 struct PointEntry : Entry {
-  Reference name = {}, group = {};
+  NameText name = {}, group = {};
   PlacedVector position = {};
   std::array<FunctionText, 3> motion = {};
 };
 struct ParticleEntry : Entry {
-  Reference name = {}, group = {};
+  NameText name = {}, group = {};
   double mass = 0.0;  ///< infinite: "fixed"
   Vector3d position = Vector3d::Zero();
   PlacedVector velocity = {};
@@ -43,7 +43,7 @@ struct ShapeKeys {
   Placed<int> shape = {};
   PlacedNumber mass = {}, density = {}, radius = {}, height = {}, length = {}, scale = {};
   PlacedVector edges = {};
-  Reference mesh = {};
+  NameText mesh = {};
   Placed<std::vector<double>> inertia = {};
   PlacedVector centre = {};
 };
@@ -52,7 +52,7 @@ struct PartEntry : Entry, ShapeKeys {
   Orientation orientation = {};
 };
 struct BodyEntry : Entry, ShapeKeys {
-  Reference name = {}, group = {};
+  NameText name = {}, group = {};
   std::vector<PartEntry> parts = {};
   Vector3d position = Vector3d::Zero(), velocity = Vector3d::Zero(), angular_velocity = Vector3d::Zero();
   Orientation orientation = {};
@@ -60,23 +60,23 @@ struct BodyEntry : Entry, ShapeKeys {
 };
 
 struct SpringEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   std::vector<AnchorText> between = {};
   PlacedNumber length = {};
 };
 struct LawSpringEntry : Entry {
-  Reference name = {};
+  NameText name = {};
   std::vector<AnchorText> between = {};
   FunctionText tension = {};
 };
 struct BendingEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   std::vector<AnchorText> over = {};
   PlacedNumber rest_angle = {};
 };
 struct JointEntry : Entry, MaterialKeys {
   enum Kind { kBall, kUniversal, kHinge, kCylindrical, kPrismatic, kWeld };
-  Reference name = {};
+  NameText name = {};
   int type = kBall;
   std::vector<AnchorText> between = {};
   Vector3d place_at = Vector3d::Zero();
@@ -84,19 +84,19 @@ struct JointEntry : Entry, MaterialKeys {
   PlacedNumber angular_stiffness = {}, angular_damping_time = {}, angular_damping = {};
 };
 struct TurnEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   std::vector<AnchorText> between = {};
   Vector3d axis = Vector3d::UnitZ();
   FunctionText target = {};
 };
 struct SlideEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   std::vector<AnchorText> between = {};
   Vector3d place_at = Vector3d::Zero(), axis = Vector3d::UnitX();
   FunctionText target = {};
 };
 struct PerpendicularEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   std::vector<AnchorText> between = {};
   Vector3d direction_a = Vector3d::UnitX(), direction_b = Vector3d::UnitY();
 };
@@ -105,19 +105,19 @@ struct ForceEntry : Entry {
   std::array<FunctionText, 3> force = {};
 };
 struct TorqueEntry : Entry {
-  Reference on = {};
+  NameText on = {};
   Vector3d torque = Vector3d::Zero();
 };
 
 struct ChainEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   Vector3d from = Vector3d::Zero(), to = Vector3d::UnitX();
   int count = 0;
   double mass = 0.0, bending_stiffness = 0.0;
   std::vector<std::string> fixed = {};
 };
 struct ClothEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   Vector3d corner = Vector3d::Zero(), edge_u = Vector3d::UnitX(), edge_v = Vector3d::UnitZ();
   std::vector<double> count = {};
   double mass = 0.0;
@@ -125,14 +125,14 @@ struct ClothEntry : Entry, MaterialKeys {
   std::vector<std::string> fixed = {};
 };
 struct LatticeEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   Vector3d corner = Vector3d::Zero(), size = Vector3d::Ones();
   std::vector<double> count = {};
   double mass = 0.0;
   std::vector<std::string> fixed = {};
 };
 struct NetEntry : Entry, MaterialKeys {
-  Reference name = {};
+  NameText name = {};
   Vector3d corner = Vector3d::Zero();
   std::vector<double> count = {};
   double edge = 0.0, thickness = 0.0, mass = 0.0;
@@ -142,7 +142,7 @@ struct NetEntry : Entry, MaterialKeys {
 /// A scene file, read and checked key by key; names are not looked up yet.
 struct Document : Entry {
   std::string title;
-  Reference model;
+  NameText model;
   PlacedNumber end_time, quick_end_time, scene_length;
   Vector3d gravity = Vector3d::Zero();
   double drag = 0.0;

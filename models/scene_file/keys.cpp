@@ -133,7 +133,7 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
   out = value.boolean;
 }
 
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, Reference& out,
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, NameText& out,
                 Diagnostics& problems) {
   if (value.type != Type::kText || value.text.empty())
     return refuse(key, value, where, key.expectation, problems);

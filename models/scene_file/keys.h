@@ -24,14 +24,14 @@ struct Placed {
 };
 
 /// Text that names something else in the scene.
-using Reference = Placed<std::string>;
+using NameText = Placed<std::string>;
 using PlacedNumber = Placed<double>;
 using PlacedVector = Placed<Vector3d>;
 
 /// What the end of a row is tied to: a name, a point of a body ("point" in the body's axes, "place" in the
 /// world at the start), or a fixed place of the world (a vector).
 struct AnchorText {
-  Reference name;
+  NameText name;
   Placed<Vector3d> point, place;
 };
 
@@ -75,7 +75,7 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
                 int& out, Out problems);
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, bool& out, Out problems);
-void read_value(const KeyInfo& key, const Value& value, const std::string& where, Reference& out,
+void read_value(const KeyInfo& key, const Value& value, const std::string& where, NameText& out,
                 Out problems);
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, std::string& out,
                 Out problems);

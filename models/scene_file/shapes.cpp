@@ -105,7 +105,7 @@ bool ShapeReader::check_keys_of_kind(const std::string& label, TextPlace place, 
   return problems_.count() == before;
 }
 
-std::optional<std::filesystem::path> ShapeReader::inside(const std::string& label, const Reference& file) {
+std::optional<std::filesystem::path> ShapeReader::inside(const std::string& label, const NameText& file) {
   std::error_code error;
   const std::filesystem::path root = std::filesystem::weakly_canonical(folder_, error),
                               path = std::filesystem::weakly_canonical(folder_ / file.value, error);

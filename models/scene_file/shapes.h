@@ -32,7 +32,7 @@ class ShapeReader {
   bool check_keys_of_kind(const std::string& label, TextPlace place, const ShapeKeys& keys, bool has_parts);
   std::optional<Shape> read_mesh_shape(const std::string& label, const ShapeKeys& keys);
   std::optional<Shape> read_parts(const std::string& label, const std::vector<PartEntry>& parts);
-  std::optional<std::filesystem::path> inside(const std::string& label, const Reference& file);
+  std::optional<std::filesystem::path> inside(const std::string& label, const NameText& file);
 
   std::filesystem::path folder_;
   bool allow_outside_;
