@@ -298,7 +298,7 @@ StabilityLimit notes_step_limit_of(const Linearization& system) {
 // By the name of the integrator.
 StabilityLimit limit_of(const std::string& integrator, const Linearization& system) {
   if (integrator == "implicit_euler_geometric" || integrator == "implicit_euler_newton")
-    return {kInfinity, "implicit, with a positive semidefinite Kg: damps every mode"};
+    return {kInfinity, "unconditional in theory: Kg >= 0 damps every mode"};
   if (!system.status().ok()) return {kNaN, system.status().reason};
   if (system.size() == 0) return {kInfinity, "nothing moves"};
   StabilityLimit limit{kNaN, "no prediction for this integrator"};

@@ -37,7 +37,7 @@ struct Motion {
 
 Motion smooth_motion(const Explanation& e) {
   Motion shortest;
-  for (const Motion& motion : {Motion{e.turning_rate, "what turns fastest at the start", kPhaseTurn},
+  for (const Motion& motion : {Motion{e.turning_rate, "the fastest-turning part at the start", kPhaseTurn},
                                Motion{e.swing_rate, "a free swing of the smallest part", kPhaseTurn},
                                Motion{e.excited_frequency, "the springs' motion at the start", kPhaseSpring}})
     if (motion.dt() < shortest.dt()) shortest = motion;
@@ -48,7 +48,7 @@ Motion smooth_motion(const Explanation& e) {
 Motion whole_motion(const Explanation& e, const System& system) {
   const double fall = std::sqrt(system.forces.gravity.norm() / e.scene_length);
   if (fall > e.turning_rate) return {fall, "a fall through the scene's length", kPhaseImplicit};
-  if (e.turning_rate > 0.0) return {e.turning_rate, "what turns fastest at the start", kPhaseImplicit};
+  if (e.turning_rate > 0.0) return {e.turning_rate, "the fastest-turning part at the start", kPhaseImplicit};
   if (e.smallest_frequency > 0.0) return {e.smallest_frequency, "the slowest mode", kPhaseImplicit};
   return {2.0 * std::numbers::pi / e.end_time, "one period in the run", kPhaseImplicit};
 }
