@@ -48,6 +48,13 @@ class Linearization {
   bool stressed() const { return stressed_; }
   bool damped() const { return system_.has_damping || system_.forces.has_drag; }
   const System& system() const { return system_; }
+  /// sqrt(x.Kx / x.Mx) of an acceleration (given as force) or velocity; 0 for x = 0 or x.Kx < 0.
+  double frequency_of_force(const VectorXd& f) const {
+    return frequency_of(f(coordinates_).cwiseProduct(scale_));
+  }
+  double frequency_of_velocity(const VectorXd& v) const {
+    return frequency_of(v(coordinates_).cwiseQuotient(scale_));
+  }
   /// (alpha, tau) if C = alpha M + tau K on every mode, else nothing.
   std::optional<std::pair<double, double>> modal_damping() const;
 
@@ -60,6 +67,9 @@ class Linearization {
   const std::optional<Eigenpair>& stiffest() const;
 
  private:
+  double frequency_of(const VectorXd& x) const {
+    return x.isZero(0.0) ? 0.0 : std::sqrt(std::max(0.0, x.dot(apply(kStiffness, x)) / x.squaredNorm()));
+  }
   const System& system_;
   LanczosOptions lanczos_;
   Status status_;
@@ -288,7 +298,7 @@ StabilityLimit notes_step_limit_of(const Linearization& system) {
 // By the name of the integrator.
 StabilityLimit limit_of(const std::string& integrator, const Linearization& system) {
   if (integrator == "implicit_euler_geometric" || integrator == "implicit_euler_newton")
-    return {kInfinity, "implicit, with a positive semidefinite Kg: damps every mode"};
+    return {kInfinity, "unconditional in theory: Kg >= 0 damps every mode"};
   if (!system.status().ok()) return {kNaN, system.status().reason};
   if (system.size() == 0) return {kInfinity, "nothing moves"};
   StabilityLimit limit{kNaN, "no prediction for this integrator"};
@@ -300,14 +310,24 @@ StabilityLimit limit_of(const std::string& integrator, const Linearization& syst
   return limit;
 }
 
-Spectrum spectrum_of(const Linearization& system) {
-  if (!system.status().ok()) return {kNaN, kNaN, kNaN, system.status().reason};
-  Spectrum spectrum{0.0, kNaN, 0.0, system.obstacle()};
+double excited_frequency(const Linearization& system, const State& state) {
+  constexpr double kBalanced = 1e-9;  // forces that cancel this far leave rounding only
+  VectorXd force, external;
+  if (!evaluate_forces(system.system(), state, force).ok()) return kNaN;
+  evaluate_external_forces(system.system(), state, external);
+  if (force.norm() <= kBalanced * (external.norm() + (force - external).norm())) force.setZero();
+  return std::max(system.frequency_of_force(force), system.frequency_of_velocity(state.v));
+}
+
+Spectrum spectrum_of(const Linearization& system, const State& state) {
+  if (!system.status().ok()) return {kNaN, kNaN, kNaN, kNaN, system.status().reason};
+  Spectrum spectrum{0.0, kNaN, 0.0, 0.0, system.obstacle()};
   if (system.size() == 0) return spectrum;
   if (system.damped()) {
     const std::optional<Eigenpair> most_damped = system.top({0.0, 0.0, 1.0});
     spectrum.largest_damping_rate = most_damped ? std::max(0.0, most_damped->value) : kNaN;
   }
+  if (system.obstacle().empty()) spectrum.excited_frequency = excited_frequency(system, state);
   const std::optional<Eigenpair>& stiffest = system.stiffest();
   spectrum.largest_frequency = stiffest ? std::sqrt(std::max(0.0, stiffest->value)) : kNaN;
   if (!system.small()) return spectrum;
@@ -368,7 +388,7 @@ StabilityForecast forecast_stability(const System& s, const State& state,
                                      const std::vector<std::string>& integrators,
                                      const LanczosOptions& lanczos) {
   const Linearization system(s, state, Obstacles::kLeftOut, lanczos);
-  StabilityForecast forecast{spectrum_of(system), {}};
+  StabilityForecast forecast{spectrum_of(system, state), {}};
   for (const std::string& name : integrators)
     forecast.limits.push_back(system.obstacle().empty() ? limit_of(name, system)
                                                         : limit_of(name, Linearization(s, state)));

@@ -80,7 +80,10 @@ struct Spectrum {
   double smallest_frequency;  ///< above 1e-6 of the largest; NaN beyond kLargestDenseSize and without [rad/s]
   double
       largest_damping_rate;  ///< largest eigenvalue of M^-1/2 C M^-1/2, twice the decay rate of a mode [1/s]
-  std::string left_out;      ///< the first hard row or turning body, or why there is no answer; else empty
+  /// sqrt(x.Kx / x.Mx), the larger one of x = acceleration and x = velocity at the state: how fast the motion
+  /// is that begins there [rad/s]; 0 at rest in equilibrium and where something is left out
+  double excited_frequency;
+  std::string left_out;  ///< the first hard row or turning body, or why there is no answer; else empty
 };
 
 /// Where Lanczos may stop: relative residual of the eigenvalue (whose own error is smaller), restarts of 60.

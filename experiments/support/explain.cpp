@@ -134,12 +134,12 @@ StabilityForecast forecast(const System& s, const State& start, Explanation& e) 
   const std::vector<std::string> names = integrator_names();
   if (s.free_count > kMostFrequencyUnknowns) {
     const std::string why = fmt::format("not computed above {} unknowns", kMostFrequencyUnknowns);
-    return {{kNaN, kNaN, kNaN, why}, std::vector<StabilityLimit>(names.size(), {kNaN, why})};
+    return {{kNaN, kNaN, kNaN, kNaN, why}, std::vector<StabilityLimit>(names.size(), {kNaN, why})};
   }
-  constexpr LanczosOptions kExact{}, kGood{.tolerance = 1e-6, .most_restarts = 500},
-      kRough{.tolerance = 1e-3, .most_restarts = 50};
-  const LanczosOptions& lanczos = s.free_count <= 3000 ? kExact : s.free_count <= 30000 ? kGood : kRough;
-  e.frequency_accuracy = lanczos.tolerance;
+  const LanczosOptions lanczos = s.free_count <= kMostSharpUnknowns
+                                     ? LanczosOptions{.tolerance = 1e-6, .most_restarts = 500}
+                                     : LanczosOptions{.tolerance = 1e-3, .most_restarts = 50};
+  if (s.free_count > kLargestDenseSize) e.frequency_accuracy = lanczos.tolerance;
   return forecast_stability(s, start, names, lanczos);
 }
 
@@ -175,6 +175,7 @@ void look_at_spectrum(const System& s, const State& start, Explanation& e) {
   const StabilityForecast found = forecast(s, start, e);
   e.largest_frequency = found.spectrum.largest_frequency;
   e.smallest_frequency = e.all_rows.hard > 0 ? kNaN : found.spectrum.smallest_frequency;
+  e.excited_frequency = found.spectrum.excited_frequency;
   e.largest_damping_rate = found.spectrum.largest_damping_rate;
   e.spectrum_left_out = found.spectrum.left_out;
   e.stiffness_ratio = e.largest_frequency / e.smallest_frequency;

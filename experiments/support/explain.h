@@ -71,7 +71,8 @@ struct Explanation {
   /// Of the finite rows; an upper bound where `spectrum_left_out` names a hard row or turning body.
   double largest_frequency = 0.0;     ///< [rad/s]; 0: no stiffness
   double smallest_frequency = 0.0;    ///< [rad/s]; NaN: none, hard rows, or too many unknowns
-  double frequency_accuracy = 0.0;    ///< relative, of the largest
+  double excited_frequency = 0.0;     ///< of acceleration or velocity at the start (Spectrum) [rad/s]
+  double frequency_accuracy = 0.0;    ///< relative, of the largest; 0: rounding
   double largest_damping_rate = 0.0;  ///< [1/s], twice the decay rate of the mode
   std::string spectrum_left_out;
   double stiffness_ratio = 0.0;  ///< largest over smallest frequency
@@ -90,9 +91,11 @@ struct Explanation {
 
 inline constexpr int kNamedRows = 5;
 // Costs are bounded; what is skipped is said.
-inline constexpr int kMostFrequencyUnknowns = 1'000'000;  ///< Lanczos: 4 s at 300 000
-inline constexpr int kMostRankRows = 40'000;              ///< SPQR: 2 s on the bridge S3b(100,100)
-inline constexpr double kMostRoutePairs = 3e6;  ///< pairs of rows that meet at a node; S2(300), 1.2e7: 40 s
+inline constexpr int kMostSharpUnknowns = 3000;           ///< frequencies to 1e-6, 1e-3 beyond
+inline constexpr int kMostFrequencyUnknowns = 1'000'000;  ///< Lanczos: 5 s on S1(100000), 300 000 unknowns
+inline constexpr int kMostRankRows = 40'000;              ///< SPQR: 4 s on the net S3b(80,80), 38 240 rows
+/// Pairs of rows that meet at a node; S2(300) has 1.2e7 and takes 40 s over all routes.
+inline constexpr double kMostRoutePairs = 3e6;
 
 /// dt [s]: the step somebody thinks of, 0 for none. Throws InputError unless dt is 0 or finite and positive.
 Explanation explain(const Model& model, double dt = 0.0);

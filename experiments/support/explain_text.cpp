@@ -85,6 +85,8 @@ std::string frequency_text(const Explanation& e) {
 std::string rates_text(const Explanation& e) {
   std::string text = fmt::format("damping {:.3g} 1/s, turning at the start {:.3g} rad/s",
                                  e.largest_damping_rate, e.turning_rate);
+  if (e.excited_frequency > 1e-6 * e.largest_frequency)
+    text += fmt::format(", springs at the start {:.3g} rad/s", e.excited_frequency);
   return e.swing_rate > 0.0 ? text + fmt::format(", free swing {:.3g} rad/s", e.swing_rate) : text;
 }
 
@@ -228,6 +230,7 @@ std::string to_json(const Explanation& e) {
   j["index"] = e.index;
   j["spectrum"] = {{"largest_frequency_rad_s", number(e.largest_frequency)},
                    {"smallest_frequency_rad_s", number(e.smallest_frequency)},
+                   {"excited_frequency_rad_s", number(e.excited_frequency)},
                    {"accuracy", number(e.frequency_accuracy)},
                    {"largest_damping_rate_1_s", number(e.largest_damping_rate)},
                    {"stiffness_ratio", number(e.stiffness_ratio)},

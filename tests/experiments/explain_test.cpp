@@ -11,8 +11,6 @@
 #include <set>
 
 #include "engine/check.h"
-#include "engine/energy.h"
-#include "experiments/support/measure.h"
 #include "models/catalog.h"
 #include "models/chain.h"
 #include "models/oscillator.h"
@@ -63,13 +61,15 @@ TEST(Explain, KnowsFastestAndSlowestModeOfAChain) {
   EXPECT_NEAR(e.fastest_periods, fast * e.end_time / (2.0 * std::numbers::pi), 1e-9);
 }
 
-TEST(Explain, KnowsTheFastestModeOfALongChain) {
-  const Chain options{.n = 3500};
-  const double fast = chain_frequency(options, options.n);
-  const Explanation e = explain(make_chain(options));
-  EXPECT_NEAR(e.largest_frequency, fast, e.frequency_accuracy * fast);  // measured 1.5e-8, told 1e-6
-  EXPECT_EQ(e.frequency_accuracy, 1e-6);
-  EXPECT_TRUE(std::isnan(e.smallest_frequency));
+TEST(Explain, KnowsTheFastestModeOfLongChains) {
+  for (const auto& [n, told] : {std::pair{1000, 1e-6}, std::pair{5000, 1e-3}}) {
+    const Chain options{.n = n};
+    const double fast = chain_frequency(options, n);
+    const Explanation e = explain(make_chain(options));
+    EXPECT_EQ(e.frequency_accuracy, told);
+    EXPECT_NEAR(e.largest_frequency, fast, told * fast);
+    EXPECT_TRUE(std::isnan(e.smallest_frequency));
+  }
 }
 
 TEST(Explain, KnowsTheDampingRateOfADampedOscillator) {
@@ -77,6 +77,23 @@ TEST(Explain, KnowsTheDampingRateOfADampedOscillator) {
   EXPECT_NEAR(e.largest_damping_rate, (50.0 * 0.04 + 3.0) / 2.0, 1e-12);
   EXPECT_EQ(e.all_rows.damped, 1);
   EXPECT_EQ(explain_spec("oscillator").largest_damping_rate, 0.0);
+}
+
+TEST(Explain, KnowsHowFastTheStartIs) {
+  EXPECT_NEAR(explain_spec("oscillator").excited_frequency, 10.0, 1e-11);
+  EXPECT_EQ(explain_spec("oscillator:amplitude=0").excited_frequency, 0.0);
+  // one mode alone: acceleration along it
+  const Chain options{.n = 10, .modes = {{4, 1e-3}}};
+  const double exact = chain_frequency(options, 4);
+  EXPECT_NEAR(explain(make_chain(options)).excited_frequency, exact, 1e-9 * exact);
+}
+
+TEST(Explain, BoundsTheFrequenciesBesideHardRows) {
+  const Explanation e = explain_spec("double_pendulum:stiffness=1e6");
+  EXPECT_FALSE(e.spectrum_left_out.empty());
+  EXPECT_GT(e.largest_frequency, 1000.0);  // sqrt(1e6 N/m / 1 kg), and more by the lever arms
+  EXPECT_TRUE(std::isnan(e.smallest_frequency));
+  EXPECT_EQ(explain_spec("double_pendulum").largest_frequency, 0.0);
 }
 
 TEST(Explain, CountsTheStepsAtTheLimit) {
@@ -153,8 +170,6 @@ TEST(Explain, MeasuresHowFarTheStartIsOffItsRows) {
   const Explanation closed = explain(model);
   EXPECT_LE(closed.gap, 1e-15);  // 1.1e-16
   const Vector3d rod = model.state.q.segment<3>(3) - model.state.q.segment<3>(0);
-  const double side = rod.norm() > 0.0 ? 1.0 : 0.0;
-  ASSERT_EQ(side, 1.0);
   const int moving = 3 * (model.system.mass[0] > 0.0 ? 0 : 1);
   const Vector3d out = (moving == 3 ? 1.0 : -1.0) * rod.normalized();
   model.state.q.segment<3>(moving) += 1e-3 * out;
@@ -193,41 +208,54 @@ TEST(Explain, TellsWhatAutoTakes) {
 }
 
 TEST(Explain, TellsWhichJudgeWillRun) {
-  const auto method_of = [](const std::string& spec) {
+  const auto expect = [](const std::string& spec, double end, const std::string& done,
+                         const std::string& told) {
     Model model = make_model(spec);
-    model.end_time = std::min(model.end_time, 2e-3);
+    model.end_time = end;
     ReferenceOptions options;
     options.use_cache = false;
     options.halving_seconds = 0.2;
-    return std::pair{make_reference(model.system, model.state, model.end_time, options).method,
-                     explain(model).judge};
-  };
-  const auto expect = [&](const std::string& spec, const std::string& done, const std::string& told) {
-    const auto [method, judge] = method_of(spec);
+    const std::string method = make_reference(model.system, model.state, end, options).method;
+    const std::string judge = explain(model).judge;
     EXPECT_TRUE(method.starts_with(done)) << spec << ": " << method;
     EXPECT_TRUE(judge.starts_with(told)) << spec << ": " << judge;
   };
-  expect("oscillator", "ida ode", "IDA at two tolerances, ode");
-  expect("oscillator:stiffness=1e16", "ida compliance", "IDA at two tolerances, compliance");
-  expect("pendulum", "ida ggl", "IDA at two tolerances, ggl");
-  expect("four_bar", "rk4", "rk4, steps halved");
-  expect("asymmetric_top", "ida ode", "IDA at two tolerances, ode");
-  expect("S2(25)", "leapfrog", "leapfrog at dt and dt/2");
-  expect("S2(25):damping_time=1e-6", "rk4", "rk4 at dt and dt/2");
+  expect("oscillator", 2e-3, "ida ode", "IDA at two tolerances, ode");
+  expect("oscillator:stiffness=1e10,amplitude=0", 0.3, "ida compliance", "IDA at two tolerances, compliance");
+  expect("pendulum", 2e-3, "ida ggl", "IDA at two tolerances, ggl");
+  expect("four_bar", 2e-3, "rk4", "rk4, steps halved");
+  expect("asymmetric_top", 2e-3, "ida ode", "IDA at two tolerances, ode");
+  expect("S2(25)", 2e-3, "leapfrog", "leapfrog at dt and dt/2");
+  expect("S2(25):damping_time=1e-6", 2e-3, "rk4", "rk4 at dt and dt/2");
 }
 
 // ---- Predicted limits against runs
 
-// `steps` steps from the start, every free coordinate of a place displaced a little.
-Status run_displaced(const Model& model, const std::string& name, double dt, int steps) {
-  State state = model.state;
+// Largest growth of a tiny displacement over 400 steps, against the same run without it; infinite where a
+// step fails.
+double growth(const Model& model, const std::string& name, double dt) {
+  std::vector<Integrator> twins;
+  for (int i = 0; i < 2; ++i) twins.push_back(make_integrator(name, model.system));
+  State states[2] = {model.state, model.state};
+  History histories[2];
   std::mt19937_64 random(7);
   for (int i = 0; i < 3 * model.system.places(); ++i)
     if (model.system.inverse_mass[i] > 0.0)
-      state.q[i] += 1e-9 * model.scene_length * (static_cast<double>(random() >> 11) * 0x1p-52 - 1.0);
-  Integrator integrator = make_integrator(name, model.system);
-  History history;
-  return simulate(model.system, integrator, state, history, {.dt = dt, .end_time = steps * dt}).status;
+      states[1].q[i] += 1e-9 * model.scene_length * (static_cast<double>(random() >> 11) * 0x1p-52 - 1.0);
+  const double start = (states[1].q - states[0].q).norm();
+  double most = 1.0;
+  for (Integrator& twin : twins)
+    if (!std::visit([](auto& i) { return i.prepare(); }, twin).ok()) return INFINITY;
+  for (int step = 0; step < 400; ++step) {
+    for (int i = 0; i < 2; ++i) {
+      const Status status = std::visit(
+          [&](auto& method) { return method.step(dt, states[i], histories[i], nullptr); }, twins[i]);
+      if (!status.ok()) return INFINITY;
+    }
+    const double now = (states[1].q - states[0].q).norm() / start;
+    if (!(now <= most)) most = now;
+  }
+  return std::isnan(most) ? INFINITY : most;
 }
 
 TEST(Explain, LimitsAreWhereUndampedScenesBlowUp) {
@@ -237,99 +265,11 @@ TEST(Explain, LimitsAreWhereUndampedScenesBlowUp) {
     const Explanation e = explain(model);
     for (const char* name : {"leapfrog", "rk4"}) {
       const double limit = method(e, name).limit;
-      EXPECT_EQ(run_displaced(model, name, 0.9 * limit, 400).code, StatusCode::kOk) << spec << " " << name;
-      const StatusCode above = run_displaced(model, name, 1.1 * limit, 400).code;
-      EXPECT_TRUE(above == StatusCode::kDiverged || above == StatusCode::kNonFinite)
-          << spec << " " << name << ": " << to_string(above);
+      // measured at most 9.3 and at least 2e8
+      EXPECT_LE(growth(model, name, 0.9 * limit), 100.0) << spec << " " << name;
+      EXPECT_GE(growth(model, name, 1.1 * limit), 1e6) << spec << " " << name;
     }
   }
-}
-
-// ---- The rules
-
-TEST(Recommend, FollowsItsRules) {
-  const auto integrator = [](const std::string& spec) { return explain_spec(spec).recommended.integrator; };
-  EXPECT_EQ(integrator("S3b(30,10)"), "implicit_euler_newton");  // 250 dependent rows
-  EXPECT_EQ(integrator("four_bar"), "rk4");                      // 3 of them
-  EXPECT_EQ(integrator("S2(20)"), "leapfrog");
-  EXPECT_EQ(integrator("S2(20):damping_time=1e-6"), "rk4");
-  EXPECT_EQ(integrator("oscillator"), "rk4");  // the slow mode is as fast as the spring
-  EXPECT_EQ(integrator("asymmetric_top"), "rk4");
-  EXPECT_EQ(integrator("S2(20):damping_time=1"), "implicit_euler_newton");  // overdamped
-}
-
-TEST(Recommend, LeavesSpringsAloneThatAreFarTooFast) {
-  Model model = make_model("S2(20)");
-  EXPECT_EQ(explain(model).recommended.integrator, "leapfrog");
-  model.end_time *= 1e3;
-  const Recommendation r = explain(model).recommended;
-  EXPECT_EQ(r.integrator, "implicit_euler_newton");
-  EXPECT_TRUE(contains(r.why, "leapfrog would need")) << r.why;
-}
-
-TEST(Recommend, RunsEndWellAtItsStep) {
-  for (const char* spec : {"oscillator",
-                           "damped_oscillator",
-                           "pendulum",
-                           "spring_pendulum",
-                           "chain",
-                           "hanging_chain:n=20",
-                           "taut_string",
-                           "bending_rod",
-                           "S2(8)",
-                           "S4(5)",
-                           "asymmetric_top",
-                           "S3c(20)",
-                           "S3b(6,3)",
-                           "S1h(10)",
-                           "plate_net:n=4",
-                           "heavy_top",
-                           "double_pendulum",
-                           "double_pendulum:stiffness=1e6",
-                           "n_pendulum:n=6",
-                           "four_bar",
-                           "slider_crank",
-                           "flexible_linkage",
-                           "S2(8):damping_time=1e-2"}) {
-    const Model model = make_model(spec);
-    const Recommendation r = explain(model).recommended;
-    Integrator integrator = make_integrator(r.integrator, model.system);
-    State state = model.state;
-    History history;
-    const double end = std::min(model.end_time, 300 * r.dt);
-    const Status status =
-        simulate(model.system, integrator, state, history, {.dt = r.dt, .end_time = end}).status;
-    EXPECT_TRUE(status.ok()) << spec << " " << r.integrator << ": " << status.reason;
-    const double gain = total_energy(model.system, state) - total_energy(model.system, model.state);
-    EXPECT_LE(gain, 0.02 * energy_scale(model)) << spec << " " << r.integrator;
-  }
-}
-
-TEST(Recommend, ReachesTheAccuracyItPromisesOnMechanisms) {
-  for (const char* spec : {"double_pendulum", "four_bar", "slider_crank", "n_pendulum:n=6"}) {
-    const Model model = make_model(spec);
-    const Recommendation r = explain(model).recommended;
-    ASSERT_EQ(r.integrator, "rk4");
-    State states[2] = {model.state, model.state};
-    for (int i = 0; i < 2; ++i) {
-      Integrator integrator = make_integrator("rk4", model.system);
-      History history;
-      const RunOptions run{.dt = i == 0 ? r.dt : 0.25 * r.dt, .end_time = model.end_time};
-      ASSERT_TRUE(simulate(model.system, integrator, states[i], history, run).status.ok());
-    }
-    EXPECT_LE(position_error(model.system, states[0], states[1]), 1e-4 * model.scene_length) << spec;
-  }
-}
-
-TEST(Recommend, HasNothingToSayWhereNothingMoves) {
-  SystemBuilder builder;
-  builder.add_particle(1.0, {0, 0, 0}, {0, 0, 0}, kPinned);
-  auto [system, state] = builder.build();
-  const Explanation e =
-      explain({.name = "still", .system = system, .state = state, .end_time = 1.0, .scene_length = 1.0});
-  EXPECT_EQ(e.unknowns, 0);
-  EXPECT_TRUE(e.recommended.integrator.empty());
-  EXPECT_TRUE(contains(to_text(e), "Nothing can move"));
 }
 
 // ---- What is skipped is said; what is said can be read

@@ -264,6 +264,44 @@ TEST(LargestFrequency, IsNaNWithHardRowsAndAtDegenerateStates) {
   EXPECT_TRUE(std::isnan(largest_frequency(system, bad)));
 }
 
+TEST(LargestFrequency, IsZeroForManyParticlesWithoutRows) {
+  SystemBuilder builder;
+  for (int i = 0; i < kLargestDenseSize; ++i) builder.add_particle(1.0, {1.0 * i, 0, 0});
+  const auto [system, state] = builder.build();
+  EXPECT_EQ(largest_frequency(system, state), 0.0);
+}
+
+TEST(StabilityForecast, EqualsTheLimitsOneByOne) {
+  const auto [system, state] = chain(5, 100.0, 0.3, 0.8, kFree, 0.03, 0.2);
+  const StabilityForecast all = forecast_stability(
+      system, state, {"explicit_euler", "leapfrog", "rk4", "implicit_euler_notes", "implicit_euler_newton"});
+  EXPECT_EQ(all.limits[0].dt, stability_limit_explicit_euler(system, state).dt);
+  EXPECT_EQ(all.limits[1].dt, stability_limit_leapfrog(system, state).dt);
+  EXPECT_EQ(all.limits[2].dt, stability_limit_rk4(system, state).dt);
+  EXPECT_EQ(all.limits[3].dt, stability_limit_notes_step(system, state).dt);
+  EXPECT_EQ(all.limits[4].dt, kInfinity);
+  EXPECT_EQ(all.spectrum.largest_frequency, largest_frequency(system, state));
+}
+
+TEST(StabilityForecast, KnowsBothEndsOfTheSpectrumAndTheDamping) {
+  const auto [system, state] = chain(5, 100.0, 0.3, 0.8, kFree, 0.03, 0.2);
+  const Linear linear = linearise(system, state);
+  const VectorXd K = Eigen::SelfAdjointEigenSolver<MatrixXd>(linear.K).eigenvalues();
+  const double c = Eigen::SelfAdjointEigenSolver<MatrixXd>(linear.C).eigenvalues().maxCoeff();
+  const Spectrum spectrum = forecast_stability(system, state, {}).spectrum;
+  EXPECT_NEAR(spectrum.largest_frequency, std::sqrt(K.maxCoeff()), 1e-7 * std::sqrt(K.maxCoeff()));
+  EXPECT_NEAR(spectrum.smallest_frequency, std::sqrt(K.minCoeff()), 1e-6 * std::sqrt(K.minCoeff()));
+  EXPECT_NEAR(spectrum.largest_damping_rate, c, 1e-7 * c);
+}
+
+TEST(StabilityForecast, LeavesHardRowsOut) {
+  const auto [with, state] = mixed_scene(3);
+  const StabilityForecast forecast = forecast_stability(with, state, {"leapfrog"});
+  EXPECT_TRUE(std::isnan(forecast.limits[0].dt));
+  EXPECT_NE(forecast.spectrum.left_out.find("is hard"), std::string::npos);
+  EXPECT_GT(forecast.spectrum.largest_frequency, 0.0);
+}
+
 TEST(StabilityLimit, LeapfrogIsSharpWithUnevenDampingAndStress) {
   const auto [system, state] = chain(5, 100.0, 0.3, 0.8, kFree, 0.03, 0.2);
   const Linear linear = linearise(system, state);
