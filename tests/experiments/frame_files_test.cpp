@@ -141,9 +141,9 @@ TEST(FrameFiles, FinishAgainAfterAFullDisk) {
   const Scene scene = sample_scene();
   FrameFiles files(scene, kSampleFrames, folder.path(), kEveryFile);
   add_frames(files, scene, 0, 3);
-  const auto states = std::filesystem::file_size(folder.path() / "sample_1_2.pvd.part");
+  const auto length = std::filesystem::file_size(folder.path() / "sample_1_2.pvd.part");
   {
-    const FileSizeLimit full(states + 5);
+    const FileSizeLimit full(length + 5);
     EXPECT_THROW(files.finish(), IoError);
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "states.csv"));
@@ -213,6 +213,23 @@ TEST(FrameFiles, GoOnBitwiseAfterAKill) {
 
 TEST(FrameFiles, GoOnBitwiseAfterAFinishedInterrupt) {
   stop_and_go_on(100, true);
+}
+
+TEST(FrameFiles, ForgetWhatCameAfterTheCheckpoint) {
+  const TemporaryFolder folder, expected;
+  const Scene scene = sample_scene();
+  Checkpoint checkpoint;
+  {
+    FrameFiles files(scene, kSampleFrames, folder.path(), kEveryFile);
+    add_frames(files, scene, 0, 4);
+    checkpoint = checkpoint_of(files);
+    add_frames(files, scene, 4, 10);
+  }
+  FrameFiles files(scene, kSampleFrames, folder.path(), kEveryFile, checkpoint);
+  add_frames(files, scene, 4, 6);
+  files.finish();
+  write_sample(scene, 6, expected.path());
+  EXPECT_EQ(difference(contents(expected.path()), contents(folder.path())), "");
 }
 
 /// The message of the IoError of going on with `checkpoint`, and that nothing was changed.
