@@ -93,10 +93,10 @@ sweep --grid method.dt=0.1,0.2,0.3 --out needs
 [[ $(starts) == 1 ]] || fail "a longer grid starts $(starts) cases, expected 1"
 sweep --grid method.dt=0.1,0.2,0.3 --set end_time=2 --out needs
 [[ $(starts) == 4 ]] || fail "a new --set starts $(($(starts) - 1)) cases, expected 3"
-sweep --grid method.dt=0.1,0.2,0.3 --set end_time=2 --preset full --out needs
+sweep --grid method.dt=0.1,0.2,0.3 --set end_time=2 --preset quick --out needs
 [[ $(starts) == 7 ]] || fail "a new preset starts $(($(starts) - 4)) cases, expected 3"
 echo '# changed' >>rope.toml
-sweep --grid method.dt=0.1,0.2,0.3 --set end_time=2 --preset full --out needs
+sweep --grid method.dt=0.1,0.2,0.3 --set end_time=2 --preset quick --out needs
 [[ $(starts) == 10 ]] || fail "a new scene starts $(($(starts) - 7)) cases, expected 3"
 
 # Values reach the program as they are, and no folder but --out is touched.
