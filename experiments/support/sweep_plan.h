@@ -35,7 +35,7 @@ struct SweepPlan {
   std::string scene_hash = {};  ///< text_hash() of the file
   std::vector<std::string> keys = {};
   std::vector<std::pair<std::string, std::string>> fixed = {};  ///< the same for all cases
-  std::string preset = "quick";
+  std::string preset = "full";
   int threads = 1;
   bool reference = false;
   Shard shard = {};

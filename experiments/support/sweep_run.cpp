@@ -166,11 +166,22 @@ class Sweep {
   double save_seconds_ = 0;
 };
 
+/// What write_file() leaves when the program is killed under it. Only for the holder of the lock.
+void remove_leftovers(const std::filesystem::path& out) {
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    const std::string name = entry.path().filename().string();
+    for (const char* file : {"plan.json.tmp", "sweep.csv.tmp", "manifest.json.tmp"}) {
+      if (name.starts_with(file)) std::filesystem::remove(entry.path());
+    }
+  }
+}
+
 }  // namespace
 
 Ending run_sweep(const SweepPlan& plan, const SweepRun& run) {
   create_folder(run.out);
   const FolderLock lock(run.out);
+  remove_leftovers(run.out);
   write_plan(plan, run.out);
   Sweep sweep(plan, run);
   const auto say = [&](const std::string& text) {

@@ -64,6 +64,8 @@ int fail(int code, const char* text) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A broken sweep must not leave this behind for ever.
+  ::alarm(60);
   const Arguments arguments = read_arguments(argc, argv);
   std::filesystem::create_directories(arguments.out);
   note_start(arguments);
