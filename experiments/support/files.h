@@ -36,6 +36,9 @@ void commit_file(const std::filesystem::path& temporary, const std::filesystem::
 /// The whole file. Throws IoError.
 std::string read_file(const std::filesystem::path& path);
 
+/// Removes the file if there is one. Throws IoError.
+void remove_file(const std::filesystem::path& path);
+
 /// Creates the folder and its parents. Throws IoError.
 void create_folder(const std::filesystem::path& folder);
 

@@ -61,6 +61,7 @@ class Run {
       report_.state = checkpoint.state, history_ = checkpoint.history, report_.steps = checkpoint.step;
       files_.emplace(request_.scene, count, request_.folder, options, checkpoint);
     } else {
+      remove_file(request_.folder / kCheckpointFile);  // it belongs to other files
       files_.emplace(request_.scene, count, request_.folder, options);
       write(0);
       save();
