@@ -80,7 +80,7 @@ std::string read_file(const std::filesystem::path& path) {
 void remove_file(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::remove(path, error);
-  if (error) fail("cannot remove", path, error.value());
+  if (error) fail_io("cannot remove", path, error.value());
 }
 
 void create_folder(const std::filesystem::path& folder) {
