@@ -11,6 +11,7 @@ feder_packages=(
   libopenblas-dev                                      # the BLAS below them
   libcli11-dev nlohmann-json3-dev libfmt-dev           # command line, manifests, text
   libspectra-dev                                       # eigenvalues
+  libtomlplusplus-dev                                  # the syntax of scene files
   libgtest-dev libbenchmark-dev librapidcheck-dev      # tests
   libmuparser-dev libtinyobjloader-dev                 # judges in tests: of expressions, of mesh files
   gnuplot-nox                                          # charts
