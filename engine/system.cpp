@@ -15,6 +15,8 @@ DistanceView System::distance_view() const {
 
 std::string System::row_name(int row) const {
   auto named = [&](const std::string& kind, int id, const int* ends, int count) {
+    const auto label = static_cast<std::size_t>(id);
+    if (id >= 0 && label < row_labels.size() && !row_labels[label].empty()) return row_labels[label];
     const int centres = places() - static_cast<int>(bodies.size());
     bool nodes_only = true;
     for (int i = 0; i < count; ++i) nodes_only = nodes_only && ends[i] < centres;
@@ -199,6 +201,12 @@ void SystemBuilder::add_law_spring(const LawSpring& spring) {
   law_springs_.push_back(spring);
 }
 
+void SystemBuilder::label_row(int id, std::string label) {
+  FEDER_CHECK(id >= 0 && id < static_cast<int>(ids_.size()), "label_row: no row with this id");
+  labels_.resize(ids_.size());
+  labels_[static_cast<std::size_t>(id)] = std::move(label);
+}
+
 void SystemBuilder::add_constant_force(Anchor at, const Vector3d& force) {
   const int id = require_anchor(at, "constant force");
   const std::string where = "constant force on " + (at.body < 0 ? place(id) : "body " + std::to_string(id));
@@ -364,6 +372,7 @@ SystemBuilder::Built SystemBuilder::build() const {
   lay_out_stencils(s);
   collect_row_materials(s);
   s.drives = drives_;
+  s.row_labels = labels_;
   if (s.driven()) {
     drive(s, out.state);
     if (!out.state.q.allFinite() || !out.state.v.allFinite())

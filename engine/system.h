@@ -64,15 +64,16 @@ struct System {
   std::vector<int> stencil_nodes;
   int jacobian_size = 0, matrix_size = 0;
 
-  int rows = 0;                        ///< m, slots included
-  int active_rows = 0;                 ///< rows that can push
-  VectorXd stiffness;                  ///< d per row; 0 for inactive slots
-  VectorXd damping_time;               ///< tau per row [s]
-  VectorXd damping;                    ///< b = d tau + own coefficient per row; 0 for hard rows
-  std::vector<int> row_of_id;          ///< public row id -> first row
-  bool has_hard_rows = false;          ///< some d = inf
-  bool has_damping = false;            ///< some b > 0
-  std::vector<int> inactive_distance;  ///< distance slots with d = 0: no pull, no pattern
+  int rows = 0;                         ///< m, slots included
+  int active_rows = 0;                  ///< rows that can push
+  VectorXd stiffness;                   ///< d per row; 0 for inactive slots
+  VectorXd damping_time;                ///< tau per row [s]
+  VectorXd damping;                     ///< b = d tau + own coefficient per row; 0 for hard rows
+  std::vector<int> row_of_id;           ///< public row id -> first row
+  std::vector<std::string> row_labels;  ///< per public row id, what messages call it; may be shorter
+  bool has_hard_rows = false;           ///< some d = inf
+  bool has_damping = false;             ///< some b > 0
+  std::vector<int> inactive_distance;   ///< distance slots with d = 0: no pull, no pattern
 
   Forces forces;
   std::vector<LawSpring> law_springs;
@@ -85,7 +86,7 @@ struct System {
   int places() const { return nodes - static_cast<int>(bodies.size()); }  ///< nodes that have a position
   Eigen::Index position_size() const { return 3 * nodes + static_cast<int>(bodies.size()); }  ///< of q
   DistanceView distance_view() const;
-  /// "distance row 12 (nodes 3, 7)", "ball row 4 (body 0, body 1)": how messages name a row.
+  /// Its label, or "distance row 12 (nodes 3, 7)", "ball row 4 (body 0, body 1)": how messages name a row.
   std::string row_name(int row) const;
 };
 
@@ -138,6 +139,9 @@ class SystemBuilder {
   template <class Row>
   int add(const Row& given);
 
+  /// What messages call a row, by its public id, instead of its type and nodes.
+  void label_row(int id, std::string label);
+
   void set_gravity(const Vector3d& g) { gravity_ = g; }
   /// Force -coefficient v on every particle [kg/s].
   void set_drag(double coefficient) { drag_ = coefficient; }
@@ -182,6 +186,7 @@ class SystemBuilder {
   std::vector<DistanceRow> distance_;
   StencilRows stencil_rows_;
   std::vector<RowId> ids_;
+  std::vector<std::string> labels_;
   std::vector<std::pair<Anchor, Vector3d>> constant_;
   std::vector<LawSpring> law_springs_;
   Vector3d gravity_ = Vector3d::Zero();

@@ -40,6 +40,8 @@ LinearSolver* linear_solver(Integrator& integrator) {
       [](auto& i) -> LinearSolver* {
         if constexpr (requires { i.solver(); })
           return &i.solver();
+        else if constexpr (requires { i.row_solver(); })
+          return i.row_solver();
         else
           return nullptr;
       },

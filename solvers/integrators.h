@@ -38,7 +38,8 @@ const IntegratorInfo& info(const Integrator& integrator);
 /// Empty if the integrator admits the scene, otherwise the reason, naming the row.
 std::string refusal(const Integrator& integrator, const System& system);
 const StepCounts& counts(const Integrator& integrator);
-/// The linear solver of an implicit integrator, null for the others.
+/// The linear solver of an implicit integrator, or of an explicit one that holds or damps rows with one; null
+/// for the others.
 LinearSolver* linear_solver(Integrator& integrator);
 
 }  // namespace feder

@@ -20,6 +20,7 @@ class Leapfrog {
   Status prepare();
   Status step(double dt, State& state, History& history, EnergyLedger* ledger);
   const StepCounts& counts() const { return counts_; }
+  LinearSolver* row_solver() { return matrix_ ? &matrix_->solver : nullptr; }
 
  private:
   void drift(double dt, const VectorXd& q, State& next) const;

@@ -5,6 +5,7 @@
 #include "solvers/rk4.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "engine/row_rates.h"
 #include "solvers/impulse_ledger.h"
@@ -13,6 +14,18 @@ namespace feder {
 namespace {
 constexpr double kNode[4] = {0.0, 0.5, 0.5, 1.0};
 constexpr double kWeight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+
+// Of a projection that came to no end: the row that is open the most.
+Status stays_open(const Kkt& kkt) {
+  int worst = 0;
+  for (int k = 0; k < kkt.phi.size(); ++k)
+    if (kkt.gamma[k] == 0.0 && !(std::abs(kkt.phi[k]) <= std::abs(kkt.phi[worst]))) worst = k;
+  char text[96];
+  std::snprintf(text, sizeof text, " stays open by %.1e m or rad after the step: too long, or a row out of reach",
+                std::abs(kkt.phi[worst]));
+  return Status::failure(StatusCode::kNotConverged, kkt.system->row_name(worst) + text);
+}
+
 }  // namespace
 
 Status Rk4::prepare() {
@@ -47,16 +60,17 @@ Status Rk4::hold_rows(const State& at, VectorXd& force) {
 // q onto phi = 0 by Newton, then v onto J v + phi_t = 0, both by the least change in the metric of M
 Status Rk4::project(State& at) {
   constexpr int kMostCorrections = 20;
-  constexpr double kRounding = 4.0 * 2.2e-16;
+  constexpr double kRounding = 4.0 * 2.2e-16, kClosed = 1e-9;
   const System& s = *system_;
   Kkt& kkt = matrix_->kkt;
   double before = HUGE_VAL;
-  for (int i = 0; i < kMostCorrections; ++i) {
+  for (int i = 0;; ++i) {
     if (Status status = kkt.evaluate(at.q, false); !status.ok()) return status;
     if (Status status = matrix_->solver.factor(kkt); !status.ok()) return status;
     const double open = kkt.kept_gap();
     if (i == 0) counts_.position_drift = std::max(counts_.position_drift, open);
-    if (open <= kRounding * kkt.scale() || !(open < before)) break;
+    if (open <= kRounding * kkt.scale() || (open <= kClosed * kkt.scale() && !(open < before))) break;
+    if (!std::isfinite(open) || i == kMostCorrections) return stays_open(kkt);
     before = open;
     kkt.p.setZero();
     kkt.r = kkt.phi;
@@ -79,6 +93,31 @@ Status Rk4::project(State& at) {
       counts_.velocity_drift = std::max(counts_.velocity_drift, std::abs(matrix_->y[k]));
   if (Status status = matrix_->solver.solve(kkt, at.v, matrix_->y).status; !status.ok()) return status;
   set_driven_velocities(s, at.t, at.v);
+  return {};
+}
+
+// v holds the velocities of driven nodes, so phidot = J v.
+Status Rk4::row_forces(const State& at, VectorXd& lambda) {
+  const System& s = *system_;
+  if (!finite_) {
+    finite_ = std::make_unique<Kkt>();
+    finite_->prepare(s);
+    finite_->set_step(1.0, 1.0);
+  }
+  if (Status status = finite_->evaluate(at.q); !status.ok()) return status;
+  VectorXd rate;
+  finite_->multiply_jacobian(at.v, rate);
+  lambda.setZero(s.rows);
+  for (int k = 0; k < s.rows; ++k)
+    if (std::isfinite(s.stiffness[k]))
+      lambda[k] = -s.stiffness[k] * finite_->phi[k] - s.damping[k] * rate[k];
+  if (!matrix_) return {};
+  VectorXd force;
+  if (Status status = evaluate_forces(s, at, force); !status.ok()) return status;
+  add_gyroscopic_torques(s, at.v, force);
+  if (Status status = hold_rows(at, force); !status.ok()) return status;
+  for (int k = 0; k < s.rows; ++k)
+    if (std::isinf(s.stiffness[k])) lambda[k] = matrix_->y[k];
   return {};
 }
 

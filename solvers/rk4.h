@@ -19,6 +19,10 @@ class Rk4 {
   Status prepare();
   Status step(double dt, State& state, History& history, EnergyLedger* ledger);
   const StepCounts& counts() const { return counts_; }
+  /// lambda <- what each row pulls with at a state: -d phi - b phidot, and on hard rows what holds them there
+  /// (one of many where they depend on each other). To be called after prepare().
+  Status row_forces(const State& at, VectorXd& lambda);
+  LinearSolver* row_solver() { return matrix_ ? &matrix_->solver : nullptr; }
 
  private:
   Status hold_rows(const State& at, VectorXd& force);
@@ -32,6 +36,7 @@ class Rk4 {
   const System* system_;
   IntegratorOptions options_;
   std::unique_ptr<Matrix> matrix_;
+  std::unique_ptr<Kkt> finite_;  // of row_forces
   State stage_;
   std::array<VectorXd, 4> force_, rate_;  // of v and of q
   StepCounts counts_;

@@ -24,7 +24,7 @@ DIR/cases/ID. Files that the scene refers to are not watched: after changing one
 Timings are undisturbed with --jobs 1 only.
 
 Examples:
-  sweep rope.toml --grid method.integrator=leapfrog,bdf2 --grid method.dt=1e-5:1e-2:13 --jobs 4 --out rope
+  sweep rope.toml --grid method.integrator=leapfrog,rk4 --grid method.dt=1e-5:1e-2:13 --jobs 4 --out rope
 
   Slurm, one shard per array task, then all of them joined:
     #SBATCH --array=1-20

@@ -79,9 +79,15 @@ class Sweep {
       save_now_and_then();
     }
     const bool missing = std::any_of(to_do_.begin(), to_do_.end(), [&](auto i) { return !outcomes_[i]; });
-    if (!missing) return {};
-    return ending_of(
-        Status::failure(StatusCode::kInterrupted, "stopped by a signal; the table holds the cases so far"));
+    if (missing)
+      return ending_of(
+          Status::failure(StatusCode::kInterrupted, "stopped by a signal; the table holds the cases so far"));
+    // one bad value is a row, but if nothing could be run the command was wrong
+    const bool refused = std::all_of(outcomes_.begin(), outcomes_.end(),
+                                     [](const auto& o) { return o && o->status == "bad_input"; });
+    if (refused && !outcomes_.empty())
+      return {2, "bad_input", "every case was refused, the first: " + outcomes_.front()->reason};
+    return {};
   }
 
   void save(const Ending& ending) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "engine/system.h"
@@ -154,6 +155,8 @@ std::string_view VtuFrames::text(const Frame& frame) {
   if (lambda.size() > 0)
     for (const RowCell& cell : row_cells_)
       *out++ = cell.rows == 1 ? lambda[cell.first_row] : lambda.segment(cell.first_row, cell.rows).norm();
+  else  // not known is not 0
+    std::fill_n(out, row_cells_.size(), std::numeric_limits<double>::quiet_NaN());
   put(forces_);
   out = fill(strains_) + scene_->nodes.size();
   for (const RowCell& cell : row_cells_)

@@ -137,6 +137,8 @@ Scene Assembly::build() {
   if (scene_.nodes.empty() && problems_.empty())
     tell(document_, document_.place, "it holds nothing, expected particles, bodies, or a model");
   if (!problems_.empty()) return {};
+  for (const Recorded& recorded : rows_)
+    builder_.label_row(recorded.id, "row " + quoted(recorded.row.name) + " (" + recorded.row.type + ")");
   attempt(document_, [&] {
     auto [system, state] = builder_.build();
     close(scene_, system);

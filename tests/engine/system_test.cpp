@@ -277,6 +277,32 @@ TEST(System, NamesEveryScalarRowOfABendingElement) {
   EXPECT_EQ(system.row_name(system.row_of_id[0]), "distance row 0 (nodes 0, 1)");
 }
 
+TEST(System, CallsALabelledRowByItsLabelAndTheOthersByTheirNodes) {
+  SystemBuilder builder;
+  const Anchor a = builder.add_particle(1.0, {0, 0, 0}), b = builder.add_particle(1.0, {1, 0, 0}),
+               c = builder.add_particle(1.0, {1, 1, 0});
+  builder.add_distance(a, b, {.stiffness = 1.0});
+  const int bending = builder.add(CurvatureRow{{a.node, b.node, c.node}, 1.0});
+  builder.add_distance(b, c, {.stiffness = 1.0});
+  builder.label_row(bending, "hinge of the door");
+  const System system = builder.build().system;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(system.row_name(system.row_of_id[bending] + i), "hinge of the door");
+  EXPECT_EQ(system.row_name(system.row_of_id[2]), "distance row 2 (nodes 1, 2)");
+}
+
+TEST(System, ConstantForceOnABodyActsAtItsCentreOfMass) {
+  SystemBuilder builder;
+  MassProperties box = solid_box("box", 2.0, {1, 1, 1});
+  box.centre = {0.3, 0, 0};
+  const Anchor body = builder.add_body(box, {});
+  builder.add_constant_force(body, {0, 6, 0});
+  builder.set_gravity({0, 0, -1});
+  const System system = builder.build().system;
+  const Vector3d force = system.forces.constant.segment<3>(3 * system.bodies[0].centre);
+  EXPECT_EQ(force, Vector3d(0, 6, -2));
+  EXPECT_EQ(system.forces.constant.norm(), force.norm());  // and no torque
+}
+
 TEST(System, CountsItsRows) {
   const TestScene scene = mixed_scene(1);
   const System& s = scene.system;

@@ -29,7 +29,9 @@ for frame, entry in enumerate(sets):
             assert mesh.point_data["velocity"][i, c] == float(state["v" + axis]), (frame, state["name"])
     kinds = {}
     for block, kind, force, strain in zip(mesh.cells, *(mesh.cell_data[k] for k in ("kind", "row_force", "strain"))):
-        assert numpy.isfinite(force).all() and numpy.isfinite(strain).all()
+        assert numpy.isfinite(strain).all()
+        unknown = frame == 0 and block.type == "line"  # before the first step
+        assert (numpy.isnan(force) if unknown else numpy.isfinite(force)).all()
         kinds.setdefault(block.type, set()).update(kind.ravel().tolist())
     assert kinds == {"vertex": {0}, "line": {1}, "triangle": {2}}, kinds
 print(f"{len(sets)} frames, {array.shape[1]} columns, {len(mesh.points)} points")

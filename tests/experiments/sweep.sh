@@ -45,6 +45,11 @@ no_fake_runs() { ! fake_runs; }
 sweep --grid do=ok,diverged,crash,hang,deaf,nothing,nothing3,input,memory,disk,preempted,garbage,liar --jobs 4 \
   --timeout 0.5 --out endings || fail "bad cases end the sweep with $?"
 [[ $(wc -l <endings/sweep.csv) == 14 ]] || fail "not one row per case: $(cat endings/sweep.csv)"
+code=0
+sweep --grid do=input --grid n=1,2 --out refused 2>refused.txt || code=$?
+[[ $code == 2 ]] || fail "a sweep of which every case is refused ends with $code"
+grep -q "every case was refused, the first: the rope has no mass" refused.txt || fail "$(cat refused.txt)"
+[[ $(rows refused bad_input) == 2 ]] || fail "refused cases are no rows: $(cat refused/sweep.csv)"
 row() { grep -Eq "^[0-9a-f]{16},$1,(rope,fake,,0.5,)?,*$2" endings/sweep.csv || fail "$1: $(grep ",$1," endings/sweep.csv)"; }
 row ok "ok,,2,0.0833"
 row diverged 'diverged,"energy, 1e9 J at t = 0.1 s",2,'

@@ -216,7 +216,14 @@ TEST(Vtu, ShowsForcesOfRowsAndStrainsOfDistanceRows) {
     }
     forces.resize(forces.size() + scene.surfaces[0].triangles.size());
     strains.resize(forces.size());
-    EXPECT_EQ(array<double>(written.frame(i), "Float64", "row_force"), forces);
+    const std::vector<double> found = array<double>(written.frame(i), "Float64", "row_force");
+    ASSERT_EQ(found.size(), forces.size());
+    const std::size_t cells = forces.size() - scene.surfaces[0].triangles.size();
+    for (std::size_t c = 0; c < found.size(); ++c)
+      if (i == 0 && c >= scene.nodes.size() && c < cells)
+        EXPECT_TRUE(std::isnan(found[c])) << c;  // the first frame has no forces yet
+      else
+        EXPECT_EQ(found[c], forces[c]) << i << " " << c;
     EXPECT_EQ(array<double>(written.frame(i), "Float64", "strain"), strains);
   }
   EXPECT_EQ(strained, 9);  // two distance rows and an anchor distance row in three frames
