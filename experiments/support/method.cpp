@@ -37,24 +37,26 @@ std::vector<std::string> routes() {
 const Keys<MethodEntry>& method_keys() {
   using E = MethodEntry;
   static const Keys<E> list = {
-      choice_key("integrator", &E::integrator, "auto", "auto takes what --explain recommends", integrators()),
-      choice_key("route", &E::route, "auto", "linear route of the implicit ones", routes()),
-      key<E>("dt", &E::dt, "as recommended", "s",
+      choice_key("integrator", &E::integrator, "auto",
+                 "simulate --list says what they are; auto takes what --explain recommends", integrators()),
+      choice_key("route", &E::route, "auto", "how the implicit ones solve their linear systems", routes()),
+      key<E>("dt", &E::dt, "as --explain says", "s",
              "largest step; steps between two output times are equal, so they may be a little shorter",
              kPositive),
       key<E>("tolerance", &E::tolerance, "", "m",
-             "step-size control by step doubling instead of fixed steps; dt is then the first step",
+             "error the places may have: steps are then controlled by step doubling, and dt is the first",
              kPositive),
       choice_key("rotation_update", &E::rotation_update, "exponential",
-                 "of explicit and one-step implicit Euler", {"exponential", "normalised_euler"}),
+                 "how bodies turn, of explicit_euler, implicit_euler_notes and implicit_euler_geometric",
+                 {"exponential", "normalised_euler"}),
       key<E>("newton_tolerance", &E::newton_tolerance, "1e-14", "",
-             "relative residual of implicit_euler_newton", Range{0.0, 1.0, true}),
-      key<E>("most_newton_iterations", &E::most_newton_iterations, "200", "", "of implicit_euler_newton",
-             Range{1.0, 1e6, false, false, true}),
-      key<E>("max_seconds", &E::max_seconds, "none", "s", "wall time after which a run is given up",
-             kPositive),
+             "relative residual at which implicit_euler_newton is done with a step", Range{0.0, 1.0, true}),
+      key<E>("most_newton_iterations", &E::most_newton_iterations, "200", "",
+             "in one step of implicit_euler_newton", Range{1.0, 1e6, false, false, true}),
+      key<E>("max_seconds", &E::max_seconds, "none", "s",
+             "wall time after which a run is given up as limit_reached", kPositive),
       key<E>("divergence", &E::divergence, "1e6", "",
-             "kinetic energy, in units of the scene's, that ends a run", Range{1.0, 1e300}),
+             "kinetic energy, in units of the scene's, that ends a run as diverged", Range{1.0, 1e300}),
   };
   return list;
 }
@@ -62,14 +64,14 @@ const Keys<MethodEntry>& method_keys() {
 const Keys<OutputEntry>& output_keys() {
   using E = OutputEntry;
   static const Keys<E> list = {
-      key<E>("interval", &E::interval, "a hundredth of the run", "s", "between two frames", kPositive),
-      key<E>("times", &E::times, "", "s", "of the frames instead of an interval; the start is always there",
+      key<E>("interval", &E::interval, "a hundredth of the run", "s", "between two frames, or times",
              kPositive),
-      words_key("files", &E::files, "[\"states\", \"energy\"]",
-                "states.csv, trajectory.csv, trajectory.npy, rows.csv, energy.csv, and a ParaView series",
-                output_files()),
+      key<E>("times", &E::times, "", "s",
+             "of the frames instead of an interval; start and end are always there", kPositive),
+      words_key("files", &E::files, "[\"states\", \"energy\"]", "see Results", output_files()),
       key<E>("checkpoint_frames", &E::checkpoint_frames, "about 200 steps", "",
-             "frames from one checkpoint to the next", Range{1.0, 1e9, false, false, true}),
+             "frames from one checkpoint.bin, for --resume, to the next",
+             Range{1.0, 1e9, false, false, true}),
   };
   return list;
 }

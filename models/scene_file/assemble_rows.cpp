@@ -131,6 +131,12 @@ void Assembly::add_bendings() {
   for (const BendingEntry& entry : document_.bendings) {
     Material m;
     const bool sound = material_of(entry, entry, -1.0, m);
+    if (sound && m.damping > 0.0) {
+      tell(entry, entry.material.place,
+           "material = " + quoted(entry.material.value) +
+               " has a damping of its own, expected none: bending has " + "damping_time alone");
+      continue;
+    }
     if (entry.over.empty()) continue;
     if (entry.over.size() != 3) {
       tell(entry, entry.place, "over " + std::to_string(entry.over.size()) + " names, expected 3");
