@@ -1,5 +1,5 @@
 // Which method and step for a scene. The rules, and where their figures were measured:
-//  1 20 or more dependent hard rows, or rank unknown: implicit_euler_newton (plate_bridge: the others stop at 28)
+//  1 20 or more dependent hard rows, or rank unknown: implicit_euler_newton (the others stop at 28, plates)
 //  2 other hard rows: rk4 with projection, 0.05 rad of the fastest turning or swing per step (`mechanisms`:
 //    error 1e-6 ... 1e-4 of the scene at 0.03 ... 0.06 rad, cheapest there below 1e-2) and 0.25 rad of the
 //    fastest spring (four-bar with a spring of 505 rad/s: it lost 93 % of its energy at 1.9 rad, 5 % at 0.5)
