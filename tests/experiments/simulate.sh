@@ -70,7 +70,7 @@ done
 
 # The short options are those of --set.
 "$program" $scene --preset quick --quiet --integrator leapfrog --dt 1e-4 --route dual --out short || fail "short options fail"
-"$program" $scene --preset quick --quiet --set method.integrator=leapfrog --set method.dt=1e-4 --set method.route=dual \
+"$program" $scene --preset quick --quiet --set method.integrator=leapfrog --set method.route=dual --set method.dt=1e-4 \
   --out long || fail "--set fails"
 same_results short long "short options"
 grep -q '"integrator": "leapfrog"' short/manifest.json || fail "the manifest does not name the integrator"
@@ -97,7 +97,7 @@ expect 4 "run without --resume" $scene --preset quick --resume --out never
 [[ ! -e never ]] || fail "a refused --resume writes"
 # A finished run has nothing left to do, and says the same.
 expect 0 "500 steps of at most 0.0001 s" $scene --preset quick --integrator leapfrog --dt 1e-4 --route dual --resume --out short
-"$program" $scene --preset quick --quiet --set method.integrator=leapfrog --set method.dt=1e-4 --set method.route=dual \
+"$program" $scene --preset quick --quiet --set method.integrator=leapfrog --set method.route=dual --set method.dt=1e-4 \
   --resume --out long || fail "a finished run cannot be resumed"
 same_results kept long "a finished run, resumed"
 
