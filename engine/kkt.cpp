@@ -115,13 +115,27 @@ void evaluate_external_forces(const System& s, const State& state, VectorXd& f) 
   for (int i : s.masked) f[i] = 0.0;
 }
 
-Status evaluate_undamped_forces(const System& s, const State& state, VectorXd& f) {
+namespace {
+
+// Laws and user forces may have no value; nothing else here makes a bad number of good ones.
+Status checked_external_forces(const System& s, const State& state, VectorXd& f) {
   evaluate_external_forces(s, state, f);
+  if ((!s.forces.user && s.law_springs.empty()) || f.allFinite()) return {};
+  int node = 0;
+  while (f.segment<3>(3 * node).allFinite()) ++node;
+  return Status::failure(StatusCode::kNonFinite,
+                         "the external force on node " + std::to_string(node) + " is not finite");
+}
+
+}  // namespace
+
+Status evaluate_undamped_forces(const System& s, const State& state, VectorXd& f) {
+  if (Status status = checked_external_forces(s, state, f); !status.ok()) return status;
   return add_row_forces<false>(s, state, f);
 }
 
 Status evaluate_forces(const System& s, const State& state, VectorXd& f) {
-  evaluate_external_forces(s, state, f);
+  if (Status status = checked_external_forces(s, state, f); !status.ok()) return status;
   if (s.forces.has_drag) f.array() -= s.forces.drag.array() * state.v.array();
   return add_row_forces<true>(s, state, f);
 }

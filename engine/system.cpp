@@ -360,7 +360,10 @@ SystemBuilder::Built SystemBuilder::build() const {
   }
 
   for (const std::vector<int>& stencil : user_.stencils)
-    for (int node : stencil) (void)require_node({node}, "user force stencil");
+    for (int node : stencil)  // centres of bodies, too
+      if (node < 0 || node >= s.places())
+        fail_input("user force stencil", "node", node, "",
+                   "an existing place, 0 to " + std::to_string(s.places() - 1));
   s.distance = arrange_distance_rows(distance_, s.places());
   s.stencil_rows = stencil_rows_;
   for_each_stencil_row_type(s.stencil_rows, [&](auto& list) {

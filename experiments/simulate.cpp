@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -23,19 +24,24 @@ struct Task {
   Method method;
   Output output;
   std::string text;
+  std::filesystem::path path;  ///< of the scene; its folder is where mesh files are
 
   Model& model() { return file.scene.model; }
 };
 
-Task read_task(const SimulateOptions& options, const std::filesystem::path& folder) {
+// `path` is where the scene came from if options.scene is a copy.
+Task read_task(const SimulateOptions& options, const std::filesystem::path& path) {
   Task task;
+  task.path = path;
   const SceneOptions how{.changes = options.changes,
                          .others = method_readers(task.method, task.output),
                          .quick = options.preset == "quick",
                          .allow_outside = options.allow_outside};
   task.text = read_scene_bytes(options.scene);
-  task.file = read_scene_text(task.text, options.scene.string(), folder, how);
-  (void)frame_times(task.output, task.model().end_time);
+  task.file =
+      read_scene_text(task.text, path.string(), path.has_parent_path() ? path.parent_path() : ".", how);
+  const std::vector<double> times = frame_times(task.output, task.model().end_time);
+  if (task.method.dt > 0.0) require_steps(task.method, times);
   return task;
 }
 
@@ -63,50 +69,70 @@ std::string hash_of(const Task& task, const SimulateOptions& options) {
   return text_hash(all);
 }
 
+// A reader that went away costs the line, not the run.
 void say(const SimulateOptions& options, const std::string& line) {
-  if (!options.quiet) fmt::print("{}\n", line);
+  if (!options.quiet) std::fputs((line + "\n").c_str(), stdout);
 }
 
 void say_results(const SimulateOptions& options, const RunReport& report, const Reference* judge,
                  const Scene& scene) {
   say(options,
-      fmt::format("{} on route {}: {} steps of at most {:.4g} s to t = {:.6g} s in {:.3g} s, {} frames",
-                  report.integrator, report.route, report.steps, report.dt, report.state.t, report.seconds,
-                  report.frames));
+      fmt::format("{}{}: {} steps{}, to t = {:.6g} s, {} frames; {:.3g} s of stepping, {:.3g} s of output",
+                  report.integrator, report.route == "none" ? "" : " on route " + report.route, report.steps,
+                  std::isnan(report.dt) ? "" : fmt::format(" of at most {:.4g} s", report.dt), report.state.t,
+                  report.frames, report.seconds, report.seconds_output));
   if (report.status.ok())
-    say(options, fmt::format("energy drift {:.3g} of the scene's scale", report.energy_drift));
+    say(options, fmt::format("energy drift {:.3g} of the scene's energy scale", report.energy_drift));
   if (judge)
-    say(options, fmt::format("error {:.3g} m, the judge's own {:.2g} m ({})",
+    say(options, fmt::format("error {:.3g} m against the judge, whose own is {:.2g} m ({})",
                              position_error(scene.model.system, report.state, judge->state), judge->error,
                              judge->method));
   say(options, fmt::format("Results are in {}", options.out.string()));
+}
+
+// The manifest, too, may find the disk full: what the run says comes first.
+void write_manifest(const std::filesystem::path& folder, const std::string& text, const Ending& ending) {
+  try {
+    write_file(folder / "manifest.json", text);
+  } catch (const IoError&) {
+    if (ending.code == 0) throw;
+  }
 }
 
 // Runs a task; `hash` becomes that of its results.
 Ending simulate_scene(const SimulateOptions& options, Task& task, std::string& hash) {
   const auto started = std::chrono::system_clock::now();
   const Stopwatch watch;
-  create_folder(options.out);
   set_threads(options.threads);
   resolve(task);
   const Scene& scene = task.file.scene;
+  require_steps(task.method, frame_times(task.output, scene.model.end_time));
   const RunRequest request{
       scene,         task.method, task.output, options.out, std::stoull(hash_of(task, options), nullptr, 16),
       options.resume};
-  write_file(options.out / kSceneCopy, task.text);
+  if (!options.resume) {
+    create_folder(options.out);
+    write_file(options.out / kSceneCopy, task.text);
+    remove_file(options.out / "manifest.json");  // of an earlier run, whose files are about to be replaced
+  }
   Progress progress(options.quiet);
   const RunReport report = run_scene(request, progress);
   progress.clear();
   Ending ending = ending_of(report.status);
   std::optional<Reference> judge;
+  auto write = [&] {
+    write_manifest(options.out,
+                   manifest_json({options, task.path, task.output, task.method, scene, text_hash(task.text),
+                                  report, judge ? &*judge : nullptr, ending, started, watch.seconds()}),
+                   ending);
+  };
+  write();
   if (options.reference && ending.code == 0) {
     judge = make_reference(scene.model.system, scene.model.state, scene.model.end_time);
     if (!judge->status.ok())
       ending = ending_of(judge->status), ending.reason = "judge: " + ending.reason, judge.reset();
+    write();
   }
-  write_file(options.out / "manifest.json",
-             manifest_json({options, task.method, scene, text_hash(task.text), report,
-                            judge ? &*judge : nullptr, ending, started, watch.seconds()}));
   say_results(options, report, judge ? &*judge : nullptr, scene);
   hash = results_hash(report);
   return ending;
@@ -114,11 +140,11 @@ Ending simulate_scene(const SimulateOptions& options, Task& task, std::string& h
 
 Ending rerun(const SimulateOptions& given) {
   const Rerun again = read_rerun(given);
-  Task task = read_task(again.options, again.folder);
+  Task task = read_task(again.options, again.file);
   std::string now;
   const std::string before = again.results_hash;
   const Ending ending = simulate_scene(again.options, task, now);
-  if (ending.code != 0) return ending;
+  if (ending.code == 4 || ending.code == 130) return ending;
   if (now != before)
     return ending_of(
         Status::failure(StatusCode::kInconsistent, "results hash " + now + ", the manifest says " + before));
@@ -128,8 +154,8 @@ Ending rerun(const SimulateOptions& given) {
 
 int list_methods() {
   for (const IntegratorInfo& info : integrator_list())
-    fmt::print("integrator {:<26} {}\n", info.name, info.summary);
-  for (const std::string& name : route_names()) fmt::print("route {}\n", name);
+    std::fputs(fmt::format("integrator {:<26} {}\n", info.name, info.summary).c_str(), stdout);
+  for (const std::string& name : route_names()) std::fputs(("route " + name + "\n").c_str(), stdout);
   return 0;
 }
 
@@ -142,9 +168,7 @@ Ending run(int argc, char** argv) {
     return {};
   }
   if (!options->rerun.empty()) return rerun(*options);
-  const std::filesystem::path folder =
-      options->scene.has_parent_path() ? options->scene.parent_path() : std::filesystem::path(".");
-  Task task = read_task(*options, folder);
+  Task task = read_task(*options, options->scene);
   if (options->validate) {
     say(*options, summary(task) + ": no problems");
     return {};
@@ -155,9 +179,10 @@ Ending run(int argc, char** argv) {
   }
   if (options->dry_run) {
     resolve(task);
-    fmt::print("{}\nintegrator {}, route {}, dt {} s, {} frames into {}\n", summary(task),
-               task.method.integrator, task.method.options.route, task.method.dt,
-               frame_times(task.output, task.model().end_time).size(), options->out.string());
+    say(*options, summary(task));
+    say(*options, fmt::format("integrator {}, route {}, dt {} s, {} frames into {}", task.method.integrator,
+                              task.method.options.route, task.method.dt,
+                              frame_times(task.output, task.model().end_time).size(), options->out.string()));
     return {};
   }
   std::string hash;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "engine/check.h"
@@ -16,10 +17,25 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+std::string shown(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
 Status refuse_or_prepare(const System& system, Integrator& integrator) {
   if (const std::string why = refusal(integrator, system); !why.empty())
     return Status::failure(StatusCode::kRefused, why);
   return std::visit([](auto& i) { return i.prepare(); }, integrator);
+}
+
+// Found before the step, or the bad number would show in some state after it only.
+Status finite_motions(const System& system, double t) {
+  for (const Drive& drive : system.drives)
+    if (!drive.motion.position(t).allFinite() || !drive.motion.velocity(t).allFinite())
+      return Status::failure(StatusCode::kNonFinite, "the motion of node " + std::to_string(drive.node) +
+                                                         " is not finite at t = " + shown(t) + " s");
+  return {};
 }
 
 template <class T>
@@ -35,18 +51,21 @@ void run(const System& system, T& integrator, State& state, History& history, co
     const bool last = n + 1 == steps;
     const double rest = end - state.t;
     // keep dt itself where the rest differs from it by rounding only: the step matrix stays the same
-    const double dt = last && std::abs(rest - options.dt) > 1e-9 * options.dt ? rest : options.dt;
+    const bool full = std::abs(rest - options.dt) <= step_rounding(t0, end, options.dt) * options.dt;
+    const double dt = last && !full ? rest : options.dt;
     EnergyLedger* ledger = nullptr;
     if (options.ledgers) ledger = &options.ledgers->emplace_back();
-    result.status = integrator.step(dt, state, history, ledger);
+    const double t = last ? end : std::fma(static_cast<double>(n + 1), options.dt, t0);
+    result.status = finite_motions(system, t);
+    if (result.status.ok()) result.status = integrator.step(dt, state, history, ledger);
     if (!result.status.ok()) break;
-    state.t = last ? end : std::fma(static_cast<double>(n + 1), options.dt, t0);
+    state.t = t;
     result.steps = n + 1;
     if (last || n % kCheckEvery == kCheckEvery - 1) result.status = check(state);
     if (result.status.ok() && !last && options.max_seconds > 0.0 &&
         seconds_since(start) > options.max_seconds)
       result.status = Status::failure(StatusCode::kLimitReached,
-                                      "wall-clock budget used up at t = " + std::to_string(state.t) + " s");
+                                      "wall-clock budget used up at t = " + shown(state.t) + " s");
     if (options.observer && result.status.ok() && !options.observer(state, history))
       result.status = Status::failure(StatusCode::kInterrupted, "stopped by the observer");
   }
@@ -65,15 +84,13 @@ DivergenceCheck::DivergenceCheck(const System& s, const State& start, double spa
 Status DivergenceCheck::operator()(const State& state) {
   const double kinetic = kinetic_energy(system_, state);
   if (!std::isfinite(kinetic) || !state.q.allFinite())
-    return Status::failure(StatusCode::kNonFinite,
-                           "state is not finite at t = " + std::to_string(state.t) + " s");
+    return Status::failure(StatusCode::kNonFinite, "state is not finite at t = " + shown(state.t) + " s");
   if (kinetic <= factor_ * scale_) return {};
   evaluate_external_forces(system_, state, force_);
   const double limit = factor_ * (scale_ + force_.norm() * (state.q - start_).norm());
   if (!(kinetic > limit)) return {};
-  return Status::failure(StatusCode::kDiverged, "kinetic energy " + std::to_string(kinetic) + " J passed " +
-                                                    std::to_string(limit) +
-                                                    " J at t = " + std::to_string(state.t) + " s");
+  return Status::failure(StatusCode::kDiverged, "kinetic energy " + shown(kinetic) + " J passed " +
+                                                    shown(limit) + " J at t = " + shown(state.t) + " s");
 }
 
 std::int64_t step_count(double t0, double end, double dt) {
@@ -81,15 +98,24 @@ std::int64_t step_count(double t0, double end, double dt) {
   require_finite("run", "start time", t0, "s");
   require_finite("run", "end time", end, "s");
   const double span = end - t0;
-  if (!(span > 0.0))
-    fail_input("run", "end time", end, "s", "a time after the start, " + std::to_string(t0) + " s");
+  if (!(span > 0.0)) fail_input("run", "end time", end, "s", "a time after the start, " + shown(t0) + " s");
   if (dt > span * (1.0 + 1e-9))
-    fail_input("run", "dt", dt, "s", "at most the length of the run, " + std::to_string(span) + " s");
+    fail_input("run", "dt", dt, "s", "at most the length of the run, " + shown(span) + " s");
   const double ratio = span / dt;
   if (!(ratio < 9007199254740992.0) || !(t0 + dt > t0) || !(end - dt < end))
     fail_input("run", "dt", dt, "s", "a step that the clock can resolve and fewer than 2^53 of them");
-  // a rest of a billionth of a step is rounding of span / dt, not a step
-  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(ratio - 1e-9)));
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(ratio - step_rounding(t0, end, dt))));
+}
+
+double step_rounding(double t0, double end, double dt) {
+  constexpr double kUlp = 2.3e-16, kMost = 1e-3;
+  return std::min(kMost, 1e-9 + kUlp * std::max(std::abs(t0), std::abs(end)) / dt);
+}
+
+double equal_step(double t0, double end, double dt) {
+  const double span = end - t0, ratio = span / dt, rounding = step_rounding(t0, end, dt);
+  const double steps = std::max(1.0, std::ceil(ratio - rounding));
+  return std::abs(ratio - steps) <= rounding ? std::min(dt, span) : span / steps;
 }
 
 RunResult simulate(const System& system, Integrator& integrator, State& state, History& history,
@@ -137,6 +163,18 @@ double doubling_error(const System& s, const State& full, const State& halves, d
   return std::sqrt(sum / mass) / (std::ldexp(1.0, order) - 1.0);
 }
 
+namespace {
+
+// Bad numbers stay bad numbers however short the step is.
+Status too_small(double dt, double t, const Status& last) {
+  const StatusCode code =
+      last.code == StatusCode::kNonFinite ? StatusCode::kNonFinite : StatusCode::kStepTooSmall;
+  return Status::failure(code, "step-size control asks for dt = " + shown(dt) + " s at t = " + shown(t) +
+                                   " s" + (last.ok() ? "" : ": " + last.reason));
+}
+
+}  // namespace
+
 AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, State& state, History& history,
                                  const AdaptiveOptions& options) {
   require_positive("adaptive run", "tolerance", options.tolerance, "m");
@@ -171,7 +209,8 @@ AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, S
     full_history = halves_history = history;
 
     // one full step against two half steps
-    Status status = advance(h, full, full_history);
+    Status status = finite_motions(system, state.t + h);
+    if (status.ok()) status = advance(h, full, full_history);
     if (status.ok()) status = advance(0.5 * h, halves, halves_history);
     if (status.ok()) status = advance(0.5 * h, halves, halves_history);
     double error = status.ok() ? doubling_error(system, full, halves, h, order) : HUGE_VAL;
@@ -202,9 +241,7 @@ AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, S
     dt = h * std::clamp(factor, 0.2, 5.0);
     if (!last || error > bound) history.suggested_dt = dt;
     if (dt < options.least_dt && state.t < options.end_time)
-      result.status =
-          Status::failure(StatusCode::kStepTooSmall, "step-size control asks for dt = " + std::to_string(dt) +
-                                                         " s" + (status.ok() ? "" : ": " + status.reason));
+      result.status = too_small(dt, state.t, status);
     else if (result.accepted + result.rejected >= options.most_steps)
       result.status = Status::failure(StatusCode::kLimitReached, "step budget used up");
   }

@@ -46,6 +46,13 @@ struct RunResult {
 /// finite and > 0, longer than the interval, or so small that steps exceed 2^53.
 std::int64_t step_count(double t0, double end, double dt);
 
+/// What the clock's rounding makes of the number of steps and of the last one, as a fraction of dt: a rest of
+/// a billionth of a step is no step, and late in a long run the clock itself is coarser than that.
+double step_rounding(double t0, double end, double dt);
+
+/// The longest step <= dt that fills the interval in equal steps; dt itself where it does up to rounding.
+double equal_step(double t0, double end, double dt);
+
 /// Runs from state.t to options.end_time with fixed steps. Times are t0 + n dt in one rounding; the last step
 /// lands on the end exactly. The run ends at the first failure, with its status and the last good state.
 /// Divergence is looked for every 8 steps. Prepares (analyses) the integrator first.

@@ -34,8 +34,7 @@ void set_threads(int threads) {
   // 0 active levels: every parallel region runs on its caller, whatever number of threads it asks for
   omp_set_max_active_levels(threads == 1 ? 0 : 1);
   omp_set_num_threads(threads);
-  if (auto* set_blas_threads = find_function<void(int)>("openblas_set_num_threads"))
-    set_blas_threads(threads);
+  if (auto* set_blas_threads = find_function<void(int)>("openblas_set_num_threads")) set_blas_threads(1);
 }
 
 std::string blas_name() {

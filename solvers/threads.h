@@ -5,9 +5,10 @@
 
 namespace feder {
 
-/// Sets the number of threads (>= 1) of OpenMP and of the BLAS that runs. With one thread OpenMP regions
-/// inside libraries are switched off altogether: CHOLMOD asks for 4 threads whatever the machine. Call it
-/// once, before the first solve.
+/// Sets the number of threads (>= 1) of OpenMP; the BLAS keeps to one, for its threads split sums: with them
+/// results would depend on their number, while CHOLMOD's own loops split columns. With one thread OpenMP
+/// regions inside libraries are switched off altogether: CHOLMOD asks for 4 threads whatever the machine.
+/// Call it once, before the first solve.
 void set_threads(int threads);
 
 /// Name, version and threading of the BLAS that runs, "reference or unknown BLAS" if it is not OpenBLAS.

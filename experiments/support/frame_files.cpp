@@ -152,7 +152,10 @@ struct FrameFiles::Parts {
 FrameFiles::FrameFiles(const Scene& scene, std::int64_t frames, const std::filesystem::path& folder,
                        const FrameOptions& options)
     : parts_(std::make_unique<Parts>(scene, frames, folder, options)) {
-  if (options.vtu) create_folder(folder / "frames");
+  if (options.vtu) {
+    create_folder(folder / "frames");
+    remove_file(folder / Pvd(scene).name());  // an earlier run's: its frames are about to be replaced
+  }
   for (Writer& writer : chosen_writers(scene, options)) {
     GrowingFile file(folder / name_of(writer));
     file.append(start_of(writer, frames));
@@ -204,11 +207,16 @@ void FrameFiles::add(std::int64_t frame, const State& state, const History& hist
   ++p.frames;
 }
 
-std::vector<FilePosition> FrameFiles::positions() {
+std::vector<FilePosition> FrameFiles::lengths() const {
   FEDER_CHECK(!parts_->ended, "positions of finished files");
   std::vector<FilePosition> positions;
-  parts_->all_or_none([&] { parts_->sync(); });
   for (const Growing& g : parts_->growing) positions.push_back({name_of(g.writer), g.file.length()});
+  return positions;
+}
+
+std::vector<FilePosition> FrameFiles::positions() {
+  std::vector<FilePosition> positions = lengths();
+  parts_->all_or_none([&] { parts_->sync(); });
   return positions;
 }
 

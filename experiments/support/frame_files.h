@@ -48,6 +48,8 @@ class FrameFiles {
   std::int64_t frames() const;  ///< written so far
   /// Waits until all frames so far are on disk; for Checkpoint::files.
   std::vector<FilePosition> positions();
+  /// The same without waiting: for a checkpoint that is written after finish().
+  std::vector<FilePosition> lengths() const;
   /// Completes the files with the frames so far and removes vtu frames behind them that an earlier run left.
   /// If it fails it can be called again.
   void finish();

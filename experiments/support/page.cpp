@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -118,11 +119,19 @@ std::string section(const fs::path& folder) {
   return html + "</section>\n";
 }
 
+/// Runs of single scenes have neither question, table nor chart to show.
+bool is_scene_run(const fs::path& folder) {
+  std::ifstream file(folder / "manifest.json");
+  const Json manifest = Json::parse(file, nullptr, false);
+  return manifest.is_object() && text_of(manifest, "program") == "simulate";
+}
+
 std::vector<fs::path> experiment_folders(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> found;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (fs::exists(entry.path() / "manifest.json")) found.push_back(entry.path());
+    if (fs::exists(entry.path() / "manifest.json") && !is_scene_run(entry.path()))
+      found.push_back(entry.path());
   }
   if (error) throw IoError("cannot read the folder '" + folder.string() + "': " + error.message());
   std::sort(found.begin(), found.end());

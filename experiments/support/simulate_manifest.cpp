@@ -18,11 +18,8 @@ Json number(double value) {
 }
 
 Json scene_json(const SimulateRecord& r) {
-  const std::filesystem::path folder =
-      r.options.scene.has_parent_path() ? r.options.scene.parent_path() : std::filesystem::path(".");
-  return {{"file", r.options.scene.string()},
+  return {{"file", std::filesystem::absolute(r.file).lexically_normal().string()},
           {"copy", kSceneCopy},
-          {"folder", std::filesystem::absolute(folder).lexically_normal().string()},
           {"hash", r.scene_hash},
           {"changes", r.options.changes},
           {"preset", r.options.preset},
@@ -38,6 +35,7 @@ Json method_json(const Method& m) {
           {"most_newton_iterations", m.options.most_newton_iterations},
           {"rotation_update",
            m.options.rotation_update == RotationUpdate::kExponential ? "exponential" : "normalised_euler"},
+          {"max_seconds", m.max_seconds},
           {"divergence", m.divergence}};
 }
 
@@ -56,7 +54,8 @@ Json results_json(const SimulateRecord& r) {
                {"seconds_assemble", run.seconds_assemble},
                {"seconds_factor", run.seconds_factor},
                {"seconds_solve", run.seconds_solve},
-               {"seconds_output", run.seconds_output}};
+               {"seconds_output", run.seconds_output},
+               {"files", r.output.files}};
   if (r.reference) {
     json["error"] = number(position_error(r.scene.model.system, run.state, r.reference->state));
     json["reference_error"] = number(r.reference->error);
@@ -88,6 +87,11 @@ std::string manifest_json(const SimulateRecord& r) {
                            {"resumed", r.options.resume}}},
                          {"method", method_json(r.method)},
                          {"results", results_json(r)},
+                         {"units",
+                          {{"dt, time", "s"},
+                           {"seconds, seconds_...", "s of wall time"},
+                           {"error, reference_error, scene_length", "m"},
+                           {"energy_drift", "energy scale of the scene"}}},
                          {"results_hash", results_hash(r.report)},
                          {"build", build_json()},
                          {"machine", machine_json(r.options.threads)}};
@@ -112,12 +116,14 @@ Rerun read_rerun(const SimulateOptions& given) {
     if (manifest.at("program") != "simulate") fail_rerun(given.rerun, "a manifest of another program");
     Rerun rerun{given, {}, manifest.at("results_hash")};
     const Json& scene = manifest.at("scene");
+    rerun.file = scene.at("file").get<std::string>();
     rerun.options.scene = given.rerun.parent_path() / scene.at("copy").get<std::string>();
     rerun.options.changes = scene.at("changes").get<std::vector<std::string>>();
     rerun.options.preset = scene.at("preset");
     rerun.options.allow_outside = scene.at("allow_outside");
     rerun.options.threads = manifest.at("options").at("threads");
-    rerun.folder = scene.at("folder").get<std::string>();
+    if (given.out.empty())
+      rerun.options.out = std::filesystem::path("results/scenes") / (rerun.file.stem().string() + "_rerun");
     if (text_hash(read_file(rerun.options.scene)) != scene.at("hash").get<std::string>())
       fail_rerun(given.rerun, "the scene beside it has another hash");
     return rerun;

@@ -16,6 +16,8 @@ inline constexpr const char* kSceneCopy = "scene.toml";
 /// Everything manifest.json of `simulate` says.
 struct SimulateRecord {
   const SimulateOptions& options;
+  std::filesystem::path file;  ///< the scene's own, where its mesh files are, too
+  const Output& output;
   const Method& method;  ///< as resolved
   const Scene& scene;
   std::string scene_hash;
@@ -30,12 +32,13 @@ std::string manifest_json(const SimulateRecord& record);
 /// FNV-1a of the last state, every bit of it, and of the counts of steps and frames.
 std::string results_hash(const RunReport& report);
 
-/// What to do again, from the manifest that options.rerun names: scene, settings, preset. Also the hash to
-/// reach. Throws InputError for a file that is no manifest of `simulate`, IoError.
+/// What to do again, from the manifest that options.rerun names: scene (the copy beside it), settings,
+/// preset, threads. Without --out into "results/scenes/<name>_rerun", so that the manifest stays. Throws
+/// InputError for a file that is no manifest of `simulate`, IoError.
 struct Rerun {
   SimulateOptions options;
-  std::filesystem::path folder;  ///< where the scene's mesh files are looked for
-  std::string results_hash;
+  std::filesystem::path file;  ///< where the copied scene came from
+  std::string results_hash;    ///< to reach
 };
 Rerun read_rerun(const SimulateOptions& options);
 

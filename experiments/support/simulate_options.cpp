@@ -49,7 +49,8 @@ std::optional<SimulateOptions> parse_simulate(int argc, char** argv) {
       ->option_text("MANIFEST.json");
   app.add_flag("--allow-outside", options.allow_outside, "Mesh files may lie outside the scene's folder");
   app.add_option("--seed", options.seed, "Recorded; nothing here is random")->capture_default_str();
-  app.add_option("--out", options.out, "Folder for the results")->option_text("DIR")->capture_default_str();
+  app.add_option("--out", options.out, "Folder for the results")
+      ->option_text("DIR=results/scenes/<name of the scene file>");
   app.add_option("--threads", options.threads, "Threads of the linear algebra")
       ->capture_default_str()
       ->check(CLI::Range(1, kMostThreads));
@@ -62,6 +63,8 @@ std::optional<SimulateOptions> parse_simulate(int argc, char** argv) {
   if (needs_scene && options.scene.empty()) throw InputError("no scene file (see --help)");
   if (!options.rerun.empty() && (!options.scene.empty() || !options.changes.empty() || options.resume))
     throw InputError("--rerun takes scene and settings from the manifest (see --help)");
+  if (options.out.empty() && options.rerun.empty())
+    options.out = std::filesystem::path("results/scenes") / options.scene.stem();
   return options;
 }
 

@@ -13,7 +13,7 @@ struct SimulateOptions {
   std::filesystem::path scene;
   std::vector<std::string> changes;  ///< "key=value" of the scene, those of --integrator, --route, --dt last
   std::string preset = "full";
-  std::filesystem::path out = "results/simulate";
+  std::filesystem::path out;  ///< "results/scenes/<stem of the scene file>" unless given
   std::uint64_t seed = 1;
   int threads = 1;
   bool reference = false, allow_outside = false, quiet = false;

@@ -55,6 +55,14 @@ TEST(Page, ShowsUnreadableResultsAsSuch) {
       std::string::npos);
 }
 
+TEST(Page, LeavesOutRunsOfSingleScenes) {
+  const TemporaryFolder folder;
+  create_folder(folder.path() / "rope");
+  write_file(folder.path() / "rope" / "manifest.json", R"({"program": "simulate", "status": "ok"})");
+  EXPECT_EQ(write_page(folder.path()), 0);
+  EXPECT_EQ(read_file(folder.path() / "index.html").find("rope"), std::string::npos);
+}
+
 TEST(Page, WarnsWhenTheTableIsNotTheManifestsOwn) {
   const std::string with_hash = R"({"status": "ok", "table": "sample.csv", "results_hash": "%"})";
   const std::string csv = "a,seconds\n1,2\n";

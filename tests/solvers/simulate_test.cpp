@@ -7,6 +7,7 @@
 
 #include "engine/check.h"
 #include "models/catalog.h"
+#include "tests/support/random.h"
 
 namespace feder {
 namespace {
@@ -149,6 +150,48 @@ TEST(StepDoubling, GivesUpAtTheSmallestStepWithAReason) {
                         {.tolerance = 1e-14, .first_dt = 1e-3, .least_dt = 1e-5, .end_time = 1.0});
   EXPECT_EQ(result.status.code, StatusCode::kStepTooSmall);
   EXPECT_NE(result.status.reason.find("dt"), std::string::npos);
+}
+
+TEST(EqualStep, FillsTheIntervalAndIsNeverLonger) {
+  Random random(3);
+  for (int i = 0; i < 20000; ++i) {
+    const double dt = std::pow(10.0, random.uniform(-6, 0));
+    const double t0 = i % 2 ? 0.0 : random.uniform(0, 1e3),
+                 end = t0 + dt * std::pow(10.0, random.uniform(-2, 4));
+    const double step = equal_step(t0, end, dt), steps = static_cast<double>(step_count(t0, end, step));
+    ASSERT_LE(step, dt);
+    ASSERT_NEAR(steps * step, end - t0, 1e-8 * step + 1e-12) << t0 << " " << end << " " << dt;
+    ASSERT_LT(steps - 1, (end - t0) / dt) << "one step fewer would do";
+  }
+}
+
+TEST(EqualStep, IsTheStepItselfWhereItDividesHoweverLateInTheRun) {
+  for (double dt : {0.01, 1e-3, 1e-6, 0.3e-4})
+    for (int count : {1, 3, 10, 1000})
+      for (double k : {0.0, 1.0, 7.0, 1e3, 1e6 + 1, 3e8}) {
+        const double interval = count * dt, t0 = k * interval, end = (k + 1) * interval;
+        if (!(dt > 1e4 * 2.3e-16 * end)) continue;
+        EXPECT_EQ(equal_step(t0, end, dt), std::min(dt, end - t0)) << dt << " " << count << " " << k;
+        EXPECT_EQ(step_count(t0, end, dt > end - t0 ? end - t0 : dt), count)
+            << dt << " " << count << " " << k;
+      }
+}
+
+TEST(Simulate, EndsBeforeTheFirstStepThatAMotionHasNoValueFor) {
+  SystemBuilder builder;
+  const Anchor mass = builder.add_particle(1.0, {1, 0, 0});
+  const Motion motion{[](double t) { return Vector3d(t < 0.35 ? 0.0 : std::nan(""), 0, 0); },
+                      [](double) { return Vector3d(0, 0, 0); }, [](double) { return Vector3d(0, 0, 0); }};
+  builder.add_distance(builder.add_moving_point(motion), mass, {10.0}, 1.0);
+  const auto built = builder.build();
+  Integrator integrator = make_integrator("implicit_euler_notes", built.system);
+  State state = built.state;
+  History history;
+  const RunResult result = simulate(built.system, integrator, state, history, {.dt = 0.1, .end_time = 1.0});
+  EXPECT_EQ(result.status.code, StatusCode::kNonFinite);
+  EXPECT_NE(result.status.reason.find("t = 0.4 s"), std::string::npos) << result.status.reason;
+  EXPECT_EQ(result.steps, 3);
+  EXPECT_TRUE(state.q.allFinite());
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "solvers/threads.h"
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <omp.h>
 
@@ -30,6 +31,15 @@ TEST(Threads, AskingForSeveralSetsTheDefaultTeam) {
   EXPECT_EQ(omp_get_max_threads(), 2);
   set_threads(1);
   EXPECT_EQ(omp_get_max_threads(), 1);
+}
+
+TEST(Threads, BlasKeepsToOneWhateverTheirNumber) {
+  auto* blas_threads = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  if (!blas_threads) GTEST_SKIP() << blas_name() << " has no threads to ask for";
+  set_threads(2);
+  EXPECT_EQ(blas_threads(), 1);
+  set_threads(1);
+  EXPECT_EQ(blas_threads(), 1);
 }
 
 TEST(Threads, NumberBelowOneIsMisuse) {
