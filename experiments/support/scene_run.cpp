@@ -201,8 +201,21 @@ class Run {
 
   void write(std::int64_t frame) {
     const Stopwatch watch;
-    files_->add(frame, report_.state, history_);
+    files_->add(frame, report_.state, shown());
     report_.seconds_output += watch.seconds();
+  }
+
+  // The history with what the rows pull with, where somebody asks and the method itself does not say.
+  const History& shown() {
+    const FrameOptions options = frame_options(request_.output);
+    if (history_.lambda.size() > 0 || !(options.rows || options.vtu)) return history_;
+    if (!forces_) {
+      forces_.emplace(system_, IntegratorOptions{});
+      if (!forces_->prepare().ok()) return history_;
+    }
+    shown_ = history_;
+    if (!forces_->row_forces(report_.state, shown_.lambda).ok()) shown_.lambda.resize(0);
+    return shown_;
   }
 
   // The integrator goes whether or not the disk gets the checkpoint.
@@ -222,6 +235,7 @@ class Run {
 
   // Keeps the linear solver's phase times.
   void drop_integrator() {
+    forces_.reset();
     if (!integrator_) return;
     if (const LinearSolver* solver = linear_solver(*integrator_)) {
       const PhaseTimes& t = solver->times();
@@ -256,7 +270,8 @@ class Run {
   std::optional<FrameFiles> files_;
   std::optional<Integrator> integrator_;
   bool prepared_ = false;
-  History history_;
+  std::optional<Rk4> forces_;  ///< tells row forces, not used to step
+  History history_, shown_;
   RunReport report_;
 };
 
