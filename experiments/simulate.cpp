@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <optional>
 
+#include "engine/energy.h"
 #include "experiments/support/explain.h"
 #include "experiments/support/hash.h"
+#include "experiments/support/measure.h"
 #include "experiments/support/simulate_manifest.h"
 #include "experiments/support/timing.h"
 #include "solvers/integrators.h"
@@ -58,15 +60,27 @@ void resolve(Task& task) {
 std::string summary(Task& task) {
   const Scene& scene = task.file.scene;
   const System& s = scene.model.system;
-  return fmt::format("{}: {} particles and points, {} bodies, {} rows, {} unknowns, {} s", scene.model.name,
-                     scene.nodes.size() - s.bodies.size(), s.bodies.size(), scene.rows.size(), s.free_count,
-                     scene.model.end_time);
+  int scalars = 0;
+  for (const SceneRow& row : scene.rows) scalars += row.rows;
+  return fmt::format("{}: {} particles and points, {} bodies, {} rows ({} scalar), {} unknowns, {} s",
+                     scene.model.name, scene.nodes.size() - s.bodies.size(), s.bodies.size(),
+                     scene.rows.size(), scalars, s.free_count, scene.model.end_time);
 }
 
 std::string hash_of(const Task& task, const SimulateOptions& options) {
   std::string all = task.text + "\n" + options.preset;
   for (const std::string& change : options.changes) all += "\n" + change;
   return text_hash(all);
+}
+
+// Also what takes a look at the rank: a mechanism that cannot move.
+std::vector<std::string> all_notes(Task& task) {
+  constexpr int kMostRows = 2000;  // a second's work
+  std::vector<std::string> notes = task.file.notes;
+  const System& s = task.model().system;
+  if (s.has_hard_rows && !s.driven() && s.rows <= kMostRows && explain(task.model()).degrees_of_freedom == 0)
+    notes.emplace_back("nothing can move: the rigid rows leave no degree of freedom");
+  return notes;
 }
 
 // A reader that went away costs the line, not the run.
@@ -81,8 +95,14 @@ void say_results(const SimulateOptions& options, const RunReport& report, const 
                   report.integrator, report.route == "none" ? "" : " on route " + report.route, report.steps,
                   std::isnan(report.dt) ? "" : fmt::format(" of at most {:.4g} s", report.dt), report.state.t,
                   report.frames, report.seconds, report.seconds_output));
-  if (report.status.ok())
-    say(options, fmt::format("energy drift {:.3g} of the scene's energy scale", report.energy_drift));
+  if (report.status.ok()) {
+    const Model& model = scene.model;
+    say(options,
+        fmt::format("energy {:.7g} to {:.7g} J: changed by {:.3g} of the scene's scale of {:.3g} J{}",
+                    total_energy(model.system, model.state), total_energy(model.system, report.state),
+                    report.energy_drift, energy_scale(model),
+                    model.conserved.empty() ? "" : " (it should keep it)"));
+  }
   if (judge)
     say(options, fmt::format("error {:.3g} m against the judge, whose own is {:.2g} m ({})",
                              position_error(scene.model.system, report.state, judge->state), judge->error,
@@ -121,10 +141,11 @@ Ending simulate_scene(const SimulateOptions& options, Task& task, std::string& h
   Ending ending = ending_of(report.status);
   std::optional<Reference> judge;
   auto write = [&] {
-    write_manifest(options.out,
-                   manifest_json({options, task.path, task.output, task.method, scene, text_hash(task.text),
-                                  report, judge ? &*judge : nullptr, ending, started, watch.seconds()}),
-                   ending);
+    write_manifest(
+        options.out,
+        manifest_json({options, task.path, task.output, task.method, scene, text_hash(task.text), report,
+                       judge ? &*judge : nullptr, ending, task.file.notes, started, watch.seconds()}),
+        ending);
   };
   write();
   if (options.reference && ending.code == 0) {
@@ -171,8 +192,10 @@ Ending run(int argc, char** argv) {
   Task task = read_task(*options, options->scene);
   if (options->validate) {
     say(*options, summary(task) + ": no problems");
+    for (const std::string& note : all_notes(task)) say(*options, "note: " + note);
     return {};
   }
+  for (const std::string& note : task.file.notes) say(*options, "note: " + note);
   if (options->explain) {
     std::fputs(to_text(explain(task.model(), task.method.dt)).c_str(), stdout);
     return {};

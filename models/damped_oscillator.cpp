@@ -52,7 +52,7 @@ Model make_damped_oscillator(const DampedOscillator& o) {
   Model model{"damped_oscillator", std::move(system), state};
   model.end_time = 2.0 * 2.0 * std::numbers::pi / omega;
   model.scene_length = o.length;
-  model.exact = [o, omega, state](double t) {
+  model.exact = [o, omega, state = state](double t) {
     const LinearMotion motion = linear_motion(omega, decay_rate(o), {o.amplitude, o.velocity}, t);
     State s = state;
     s.t = t;

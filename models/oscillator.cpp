@@ -40,7 +40,7 @@ Model make_oscillator(const Oscillator& o) {
   const double omega = std::sqrt(o.stiffness / o.mass);
   model.end_time = 2.0 * 2.0 * std::numbers::pi / omega;
   model.scene_length = o.length;
-  model.exact = [o, omega, state](double t) {
+  model.exact = [o, omega, state = state](double t) {
     State s = state;
     s.t = t;
     s.q[3] = o.length + o.amplitude * std::cos(omega * t);

@@ -1,6 +1,7 @@
 #include "experiments/support/method.h"
 
 #include <cmath>
+#include <memory>
 
 #include "engine/check.h"
 #include "solvers/integrators.h"
@@ -15,6 +16,7 @@ struct MethodEntry : Entry {
   double max_seconds = 0.0, divergence = 1e6;
   int most_newton_iterations = IntegratorOptions{}.most_newton_iterations;
 };
+constexpr double kMostSteps = 9007199254740992.0;
 struct OutputEntry : Entry {
   double interval = 0.0;
   std::vector<double> times = {};
@@ -89,9 +91,11 @@ std::vector<TableInfo> method_tables() {
 }
 
 std::vector<OtherTable> method_readers(Method& method, Output& output) {
-  auto read_method = [&method](const Value& table, Diagnostics& problems) {
+  const auto dt_place = std::make_shared<TextPlace>();
+  auto read_method = [&method, dt_place](const Value& table, Diagnostics& problems) {
     MethodEntry entry;
-    read_entry(table, method_keys(), "method", entry, problems);
+    if (const Value* dt = table.find("dt")) *dt_place = dt->place;
+    read_entry(table, method_keys(), infos(method_keys()), "method", entry, problems);
     method.integrator = integrators()[static_cast<std::size_t>(entry.integrator)];
     method.dt = entry.dt, method.tolerance = entry.tolerance;
     method.max_seconds = entry.max_seconds, method.divergence = entry.divergence;
@@ -101,30 +105,52 @@ std::vector<OtherTable> method_readers(Method& method, Output& output) {
     method.options.newton_tolerance = entry.newton_tolerance;
     method.options.most_newton_iterations = entry.most_newton_iterations;
   };
-  auto read_output = [&output](const Value& table, Diagnostics& problems) {
+  const auto place = std::make_shared<TextPlace>();
+  auto read_output = [&output, place](const Value& table, Diagnostics& problems) {
     OutputEntry entry;
-    read_entry(table, output_keys(), "output", entry, problems);
+    for (const char* key : {"interval", "times"})
+      if (const Value* value = table.find(key)) *place = value->place;
+    read_entry(table, output_keys(), infos(output_keys()), "output", entry, problems);
     if (const Value* times = table.find("times"); times && table.find("interval"))
       problems.add(times->place, "output: it has both interval and times, expected one");
     output = {entry.interval, entry.times, entry.files, entry.checkpoint_frames};
   };
-  return {{"method", read_method}, {"output", read_output}};
+  auto check_output = [&output, place](double end_time, Diagnostics& problems) {
+    try {
+      require_frames(output, end_time);
+    } catch (const InputError& error) {
+      problems.add(*place, error.what());
+    }
+  };
+  auto check_method = [&method, dt_place](double end_time, Diagnostics& problems) {
+    if (method.dt > 0.0 && !(end_time / method.dt <= kMostSteps))
+      problems.add(*dt_place, "method: dt = " + to_text(method.dt) +
+                                  " s, expected at most 2^53 steps up to " + to_text(end_time) + " s");
+  };
+  return {{"method", read_method, check_method}, {"output", read_output, check_output}};
+}
+
+void require_frames(const Output& output, double end_time) {
+  double before = 0.0;
+  for (const double t : output.times) {
+    if (!(t > before) || t > end_time)
+      fail_input("output", "time", t, "s", "ascending times up to the end, " + to_text(end_time) + " s");
+    before = t;
+  }
+  if (output.interval > 0.0 && !(end_time / output.interval <= kMostFrames))
+    fail_input("output", "interval", output.interval, "s", "at most 1e7 frames");
 }
 
 std::vector<double> frame_times(const Output& output, double end_time) {
+  require_frames(output, end_time);
   std::vector<double> times = {0.0};
   if (!output.times.empty()) {
-    for (double t : output.times) {
-      if (!(t > times.back()) || t > end_time)
-        fail_input("output", "time", t, "s", "ascending times up to the end, " + to_text(end_time) + " s");
-      times.push_back(t);
-    }
+    times.insert(times.end(), output.times.begin(), output.times.end());
     if (times.back() < end_time) times.push_back(end_time);
     return times;
   }
   const double interval = output.interval > 0.0 ? output.interval : end_time / 100.0;
   const double count = end_time / interval;
-  if (!(count <= kMostFrames)) fail_input("output", "interval", interval, "s", "at most 1e7 frames");
   const auto whole = static_cast<std::int64_t>(std::floor(count + 1e-9));
   for (std::int64_t k = 1; k <= whole; ++k) times.push_back(static_cast<double>(k) * interval);
   if (whole >= 1 && std::abs(times.back() - end_time) <= 1e-9 * interval)

@@ -32,12 +32,15 @@ const std::vector<std::string>& output_files();
 
 /// Their keys, for the reference page.
 std::vector<TableInfo> method_tables();
-/// Readers of both for SceneOptions::others. `method` and `output` must outlive the reading.
+/// Readers of both for SceneOptions::others; they refuse what frame_times would. `method` and `output` must
+/// outlive the reading.
 std::vector<OtherTable> method_readers(Method& method, Output& output);
 
 /// Times of the frames from 0 to end_time, both included [s]. InputError for times outside or not ascending,
 /// or more than kMostFrames.
 std::vector<double> frame_times(const Output& output, double end_time);
+/// The checks of frame_times alone.
+void require_frames(const Output& output, double end_time);
 inline constexpr double kMostFrames = 1e7;
 
 }  // namespace feder::experiments

@@ -163,6 +163,7 @@ class Run {
     report_.steps += result.steps;
     report_.seconds += result.seconds;
     Status status = result.status;
+    if (interrupt_requested() && !status.ok()) return stopped();
     if (!status.ok() && exit_code(status.code) == 3) tell_where(request_.scene, state, dt, status);
     return status;
   }
@@ -187,12 +188,17 @@ class Run {
     report_.steps += result.accepted;
     report_.seconds = before + result.seconds;
     report_.dt = std::isnan(report_.dt) ? result.largest_dt : std::max(report_.dt, result.largest_dt);
-    if (!result.status.ok())
-      return !interrupt_requested() && out_of_time() ? time_is_up(state) : result.status;
+    if (!result.status.ok() && interrupt_requested()) return stopped();
+    if (!result.status.ok()) return out_of_time() ? time_is_up(state) : result.status;
     return check_(state);
   }
 
   bool out_of_time() const { return method_.max_seconds > 0.0 && report_.seconds >= method_.max_seconds; }
+
+  static Status stopped() {
+    return Status::failure(StatusCode::kInterrupted,
+                           "stopped by a signal; the same command with --resume goes on");
+  }
 
   static Status time_is_up(const State& state) {
     return Status::failure(StatusCode::kLimitReached,

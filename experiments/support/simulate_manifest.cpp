@@ -76,6 +76,7 @@ std::string manifest_json(const SimulateRecord& r) {
                          {"does_not_model", "contacts and friction"},
                          {"status", r.ending.status},
                          {"reason", r.ending.reason},
+                         {"notes", r.notes},
                          {"started", utc_time(r.started)},
                          {"wall_seconds", r.wall_seconds},
                          {"scene", scene_json(r)},

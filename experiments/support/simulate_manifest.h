@@ -24,6 +24,7 @@ struct SimulateRecord {
   const RunReport& report;
   const Reference* reference;  ///< null: not asked for, or the run failed
   Ending ending;
+  const std::vector<std::string>& notes;  ///< of the reader
   std::chrono::system_clock::time_point started;
   double wall_seconds;
 };

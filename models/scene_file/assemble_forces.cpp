@@ -1,14 +1,15 @@
+#include <cmath>
+
 #include "models/scene_file/assembly.h"
 #include "models/scene_file/functions.h"
 
 namespace feder {
 
 void Assembly::add_forces() {
-  std::vector<ForceField> fields;  // `nodes` of bodies are -1 - body until the system is known
   for (const ForceEntry& entry : document_.forces) {
     const Named* named = look_up(entry, entry.on.name, {Kind::kParticle, Kind::kBody, Kind::kGroup},
                                  "a particle, a body or a group");
-    if (!named) continue;
+    if (!named || entry.broken) continue;
     std::vector<int> members = {named->index};
     if (named->kind == Kind::kGroup) members = scene_.groups[static_cast<std::size_t>(named->index)].members;
     Vector3d constant = Vector3d::Zero();
@@ -27,7 +28,7 @@ void Assembly::add_forces() {
       sound = sound && parts[c];
     }
     if (!sound) continue;
-    ForceField field{{*parts[0], *parts[1], *parts[2]}, {}};
+    ForceField field{{*parts[0], *parts[1], *parts[2]}, {}};  // bodies are -1 - body until there is a system
     for (int member : members) {
       const SceneNode& node = scene_.nodes[static_cast<std::size_t>(member)];
       if (!varies)
@@ -35,25 +36,53 @@ void Assembly::add_forces() {
       else
         field.nodes.push_back(node.body >= 0 ? -1 - node.body : node.node);
     }
-    if (varies) fields.push_back(field);
+    if (varies) fields_.push_back({&entry, field});
   }
-  if (!fields.empty() && problems_.empty()) set_fields(fields);
+  if (!fields_.empty() && problems_.empty()) set_fields();
 }
 
 // Centres of bodies have node numbers only in a built system: built once without these forces to learn them.
-void Assembly::set_fields(std::vector<ForceField>& fields) {
+void Assembly::set_fields() {
   attempt(document_, [&] {
     bool bodies = false;
-    for (const ForceField& field : fields)
-      for (int node : field.nodes) bodies = bodies || node < 0;
+    for (const Field& field : fields_)
+      for (int node : field.field.nodes) bodies = bodies || node < 0;
     if (bodies) {
       const System without = builder_.build().system;
-      for (ForceField& field : fields)
-        for (int& node : field.nodes)
+      for (Field& field : fields_)
+        for (int& node : field.field.nodes)
           if (node < 0) node = without.bodies[static_cast<std::size_t>(-1 - node)].centre;
     }
+    std::vector<ForceField> fields;
+    for (const Field& field : fields_) fields.push_back(field.field);
     builder_.set_user_force(force_from(fields));
   });
+}
+
+// What is not finite at the start would end the run at its first step: told here, with its place.
+void Assembly::check_start(const Scene& scene) {
+  const System& s = scene.model.system;
+  const State& start = scene.model.state;
+  for (const auto& [entry, field] : fields_)
+    for (std::size_t c = 0; c < 3; ++c)
+      for (const int node : field.nodes)
+        if (const double f = force_component(field, c, 0.0, start.q, start.v, node); !std::isfinite(f)) {
+          tell(*entry, entry->force[c].place,
+               "force = " + quoted(field.force[c].text()) + " is " + (std::isnan(f) ? "nan" : to_text(f)) +
+                   " at the start, expected a finite number");
+          break;
+        }
+  VectorXd force = VectorXd::Zero(start.v.size());
+  for (std::size_t i = 0; i < law_springs_.size(); ++i) {
+    const LawSpringEntry& entry = *law_springs_[i];
+    const LawSpring& spring = s.law_springs[i];
+    if (!(spring.length(start.q.data()) > 0.0))
+      tell(entry, entry.place, "its ends coincide at the start, expected two places: it needs a direction");
+    else if (!spring.add_force(start.q.data(), start.v.data(), force.data()))
+      tell(entry, entry.tension.place,
+           "tension is not finite at the start, at the length " + to_text(spring.length(start.q.data())) +
+               " m");
+  }
 }
 
 void Assembly::add_torques() {

@@ -40,7 +40,7 @@ bool Assembly::require_counts(const Entry& entry, double nodes, double rows) {
 bool Assembly::counts_of(const Entry& entry, const std::vector<double>& numbers, std::size_t wanted,
                          Grid& grid) {
   if (numbers.size() != wanted) {
-    if (!numbers.empty())
+    if (!entry.broken)
       tell(entry, entry.place,
            "count has " + std::to_string(numbers.size()) + " numbers, expected " + std::to_string(wanted));
     return false;
@@ -72,7 +72,8 @@ bool Assembly::add_grid(const Entry& entry, const NameText& name, double mass, G
   });
 }
 
-void Assembly::add_grid_springs(const Grid& grid, const std::array<int, 3>& step, const Material& material) {
+void Assembly::add_grid_springs(const Entry& entry, const Grid& grid, const std::array<int, 3>& step,
+                                const Material& material) {
   const auto& [ni, nj, nk] = grid.count;
   auto inside = [](int i, int n) { return i >= 0 && i < n; };
   for (int i = 0; i + step[0] < ni; ++i)
@@ -85,8 +86,9 @@ void Assembly::add_grid_springs(const Grid& grid, const std::array<int, 3>& step
         const double rest = (place_of(b) - place_of(a)).norm();
         const std::string& name_a = scene_.nodes[static_cast<std::size_t>(grid.first + from)].name;
         const std::string& name_b = scene_.nodes[static_cast<std::size_t>(grid.first + to)].name;
-        rows_.push_back({{name_a + " - " + name_b, "distance", 0, 1, {a, b}},
-                         builder_.add_distance(a, b, material, rest)});
+        // not inside the braces: gcc 12 destroys half-made aggregates twice where their last member throws
+        const int id = builder_.add_distance(a, b, material, rest);
+        rows_.push_back({{name_a + " - " + name_b, "distance", 0, 1, {a, b}}, id, &entry});
       }
 }
 
@@ -106,7 +108,7 @@ void Assembly::add_chains() {
         }))
       continue;
     attempt(entry, [&] {
-      add_grid_springs(grid, {1, 0, 0}, m);
+      add_grid_springs(entry, grid, {1, 0, 0}, m);
       if (!(entry.bending_stiffness > 0.0)) return;
       for (std::size_t i = 0; i + 2 < grid.anchors.size(); ++i) {
         const std::vector<Anchor> over(grid.anchors.begin() + static_cast<long>(i),
@@ -114,7 +116,9 @@ void Assembly::add_chains() {
         const int id = builder_.add(CurvatureRow{
             {over[0].node, over[1].node, over[2].node}, entry.bending_stiffness, m.damping_time});
         rows_.push_back(
-            {{scene_.nodes[static_cast<std::size_t>(grid.first) + i + 1].name, "curvature", 0, 3, over}, id});
+            {{scene_.nodes[static_cast<std::size_t>(grid.first) + i + 1].name, "curvature", 0, 3, over},
+             id,
+             &entry});
       }
     });
   }
@@ -144,13 +148,13 @@ void Assembly::add_cloths() {
     bend.stiffness = entry.bend_stiffness.given ? entry.bend_stiffness.value : 0.0;
     attempt(entry, [&] {
       for (const std::array<int, 3> step : {std::array{0, 1, 0}, std::array{1, 0, 0}})
-        add_grid_springs(grid, step, m);
+        add_grid_springs(entry, grid, step, m);
       if (shear.stiffness > 0.0)
         for (const std::array<int, 3> step : {std::array{1, 1, 0}, std::array{1, -1, 0}})
-          add_grid_springs(grid, step, shear);
+          add_grid_springs(entry, grid, step, shear);
       if (bend.stiffness > 0.0)
         for (const std::array<int, 3> step : {std::array{0, 2, 0}, std::array{2, 0, 0}})
-          add_grid_springs(grid, step, bend);
+          add_grid_springs(entry, grid, step, bend);
     });
   }
 }
@@ -177,7 +181,7 @@ void Assembly::add_lattices() {
       for (int i = 0; i <= 1; ++i)
         for (int j = -1; j <= 1; ++j)
           for (int k = -1; k <= 1; ++k)
-            if (i > 0 || j > 0 || (j == 0 && k > 0)) add_grid_springs(grid, {i, j, k}, m);
+            if (i > 0 || j > 0 || (j == 0 && k > 0)) add_grid_springs(entry, grid, {i, j, k}, m);
     });
   }
 }
@@ -213,7 +217,7 @@ void Assembly::add_nets() {
         const std::vector<int> ids = add_ball(builder_, a, b, place, {.linear = m});
         const Anchor held = a.body >= 0 ? a : b, end = builder_.anchor_at(held, place);
         rows_.push_back(
-            {{name, "ball", 0, 3, {end, b.body >= 0 ? builder_.anchor_at(b, place) : end}}, ids[0]});
+            {{name, "ball", 0, 3, {end, b.body >= 0 ? builder_.anchor_at(b, place) : end}}, ids[0], &entry});
       };
       auto plate = [&](int i, int j) { return grid.anchors[static_cast<std::size_t>(grid.at(i, j, 0))]; };
       auto name = [&](int i, int j) { return indexed(entry.name.value, {i, j, 0}, 2); };

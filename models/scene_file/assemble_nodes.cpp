@@ -32,6 +32,7 @@ void Assembly::add_points() {
   for (const PointEntry& entry : document_.points) {
     if (!claim(entry, entry.name)) continue;
     names_[entry.name.value] = {};
+    if (entry.broken && entry.group.given) names_.emplace(entry.group.value, Named{});
     if (entry.broken) continue;
     const bool moves = entry.motion[0].kind != FunctionText::Kind::kNone;
     if (moves == entry.position.given) {
@@ -64,6 +65,7 @@ void Assembly::add_particles() {
   for (const ParticleEntry& entry : document_.particles) {
     if (!claim(entry, entry.name)) continue;
     names_[entry.name.value] = {};
+    if (entry.broken && entry.group.given) names_.emplace(entry.group.value, Named{});
     if (entry.broken) continue;
     const bool fixed = std::isinf(entry.mass);
     if (fixed && !entry.velocity.value.isZero(0.0)) {
@@ -83,6 +85,7 @@ void Assembly::add_bodies() {
   for (const BodyEntry& entry : document_.bodies) {
     if (!claim(entry, entry.name)) continue;
     names_[entry.name.value] = {};
+    if (entry.broken && entry.group.given) names_.emplace(entry.group.value, Named{});
     if (entry.broken) continue;
     const bool fixed = entry.mass.given && std::isinf(entry.mass.value);
     ShapeKeys keys = entry;

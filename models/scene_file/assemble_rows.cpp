@@ -55,8 +55,8 @@ bool Assembly::anchor_of(const Entry& entry, const AnchorText& text, Anchor& out
   if (!named) return false;
   out = named->anchor;
   if (text.point.given) out.point = text.point.value;
-  if (text.place.given) out = builder_.anchor_at(named->anchor, text.place.value);
-  return true;
+  return !text.place.given ||
+         attempt(entry, [&] { out = builder_.anchor_at(named->anchor, text.place.value); });
 }
 
 bool Assembly::ends_of(const Entry& entry, const std::vector<AnchorText>& between, Anchor& a, Anchor& b) {
@@ -66,7 +66,13 @@ bool Assembly::ends_of(const Entry& entry, const std::vector<AnchorText>& betwee
     return false;
   }
   const bool first = anchor_of(entry, between[0], a);
-  return anchor_of(entry, between[1], b) && first;
+  return anchor_of(entry, between[1], b) && first && different(entry, between[1], a, b);
+}
+
+bool Assembly::different(const Entry& entry, const AnchorText& second, const Anchor& a, const Anchor& b) {
+  if (a.body >= 0 ? a.body != b.body : b.body >= 0 || a.node != b.node) return true;
+  tell(entry, second.name.place, "between " + quoted(second.name.value) + " and itself, expected two");
+  return false;
 }
 
 bool Assembly::bodies_of(const Entry& entry, const std::vector<AnchorText>& between, Anchor& a, Anchor& b) {
@@ -95,7 +101,7 @@ bool Assembly::bodies_of(const Entry& entry, const std::vector<AnchorText>& betw
     tell(entry, between[1].name.place, "between the world and the world, expected at least one body");
     sound = false;
   }
-  return sound;
+  return sound && different(entry, between[1], a, b);
 }
 
 void Assembly::add_springs() {
@@ -121,9 +127,13 @@ void Assembly::add_law_springs() {
     Anchor a, b;
     if (!ends_of(entry, entry.between, a, b) || entry.tension.kind == FunctionText::Kind::kNone) continue;
     const double placed = (place_of(b) - place_of(a)).norm();
-    const auto law = law_of(entry.tension, placed, entry.label + ": tension", problems_);
-    if (!law) continue;
-    attempt(entry, [&] { builder_.add_law_spring({{a, b}, law->law, law->energy}); });
+    attempt(entry, [&] {
+      const auto law = law_of(entry.tension, placed, entry.label + ": tension", problems_);
+      if (!law) return;
+      builder_.add_law_spring({{a, b}, law->law, law->energy});
+      law_springs_.push_back(&entry);
+      (void)claim_row(entry, entry.name, "law spring");
+    });
   }
 }
 
@@ -183,6 +193,12 @@ void Assembly::add_joints() {
       tell(
           entry, entry.place,
           entry.axis_b.given ? "'axis_b' has no meaning for this type" : "'axis_b' is missing for this type");
+      continue;
+    }
+    if (entry.axis_b.given && std::abs(entry.axis.value.dot(entry.axis_b.value)) > 1e-6) {
+      tell(entry, entry.axis_b.place,
+           "axis . axis_b = " + to_text(entry.axis.value.dot(entry.axis_b.value)) +
+               " of directions, expected 0: perpendicular ones");
       continue;
     }
     const JointMaterial material{linear, angular};
@@ -272,8 +288,8 @@ void Assembly::add_perpendiculars() {
     const bool sound = material_of(entry, entry, kRigid, m);
     if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
     attempt(entry, [&] {
-      const Vector3d n_a = builder_.direction_in(a, entry.direction_a.normalized()),
-                     n_b = builder_.direction_in(b, entry.direction_b.normalized());
+      const Vector3d n_a = builder_.direction_in(a, entry.direction_a),
+                     n_b = builder_.direction_in(b, entry.direction_b);
       if (a.body < 0) a = add_point(Vector3d::Zero());
       if (b.body < 0) b = add_point(Vector3d::Zero());
       const int id = builder_.add(PerpendicularRow{{a, b, m.stiffness, m.damping_time, m.damping}, n_a, n_b});

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "models/scene_file/start_check.h"
+
 namespace feder {
 namespace {
 
@@ -18,6 +20,9 @@ const char* called(SceneNode::Kind kind) {
   return "";
 }
 
+constexpr const char* kNoBrackets =
+    ", expected a name without '[': brackets count the parts of chains and the like";
+
 }  // namespace
 
 Assembly::Assembly(const Document& document, const AssemblyLimits& limits, Diagnostics& problems)
@@ -31,6 +36,15 @@ bool Assembly::claim(const Entry& entry, const NameText& name) {
   if (!name.given) return false;  // its absence has been told
   if (name.value == "world") {
     tell(entry, name.place, "name = 'world', expected another name: this one stands for the world");
+    return false;
+  }
+  if (name.value.find('[') != std::string::npos) {
+    tell(entry, name.place, "name = " + quoted(name.value) + kNoBrackets);
+    return false;
+  }
+  if (const auto other = names_.find(name.value);
+      other != names_.end() && other->second.kind == Kind::kGroup) {
+    tell(entry, name.place, "name = " + quoted(name.value) + ", expected a name that no group has");
     return false;
   }
   const auto [at, fresh] = claimed_.emplace(name.value, name.place);
@@ -77,8 +91,13 @@ const Assembly::Named* Assembly::look_up(const Entry& entry, const NameText& nam
   if (found == names_.end() && whole != names_.end() && whole->second.kind == Kind::kBroken) return nullptr;
   if (found == names_.end()) {
     std::vector<std::string> known;
-    for (const auto& [other, named] : names_)
-      if (std::find(kinds.begin(), kinds.end(), named.kind) != kinds.end()) known.push_back(other);
+    if (problems_.shows(name.place))
+      for (const auto& [other, named] : names_)
+        if (std::find(kinds.begin(), kinds.end(), named.kind) != kinds.end()) known.push_back(other);
+    if (name.value == "world" && std::find(kinds.begin(), kinds.end(), Kind::kPoint) != kinds.end())
+      return tell(entry, name.place,
+                  std::string("'world' is no place, expected ") + expectation + ", or a place [x, y, z]"),
+             nullptr;
     tell(entry, name.place,
          quoted(name.value) + " is no name of this scene, expected " + expectation +
              (known.empty() ? "" : "; did you mean '" + nearest(name.value, known) + "'?"));
@@ -103,10 +122,25 @@ Vector3d Assembly::place_of(const Anchor& anchor) const {
   return pose.position + pose.axes * anchor.point;
 }
 
+bool Assembly::claim_row(const Entry& entry, const NameText& name, const std::string& type) {
+  const std::string& known = name.given ? name.value : entry.label;
+  if (known.find('[') != std::string::npos) {
+    tell(entry, name.place, "name = " + quoted(known) + kNoBrackets);
+    return false;
+  }
+  const bool fresh = row_names_.emplace(known, type).second;
+  if (!fresh)
+    tell(entry, name.given ? name.place : entry.place,
+         "name = " + quoted(known) + ", expected a name that no other row of type '" + type + "' has");
+  return fresh;
+}
+
 void Assembly::record(const Entry& entry, const NameText& name, const std::vector<int>& ids,
                       const std::vector<std::string>& types, const std::vector<Anchor>& nodes) {
-  for (std::size_t i = 0; i < ids.size(); ++i)
-    rows_.push_back({{name.given ? name.value : entry.label, types[i], 0, 1, nodes}, ids[i]});
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (!claim_row(entry, name, types[i])) return;
+    rows_.push_back({{name.given ? name.value : entry.label, types[i], 0, 1, nodes}, ids[i], &entry});
+  }
 }
 
 Scene Assembly::build() {
@@ -144,6 +178,8 @@ Scene Assembly::build() {
     close(scene_, system);
     scene_.model.system = std::move(system);
     scene_.model.state = std::move(state);
+    check_start(scene_);
+    check_hard_rows(scene_);
   });
   return std::move(scene_);
 }
@@ -158,6 +194,33 @@ void Assembly::close(Scene& scene, const System& system) const {
     row.first_row = system.row_of_id[static_cast<std::size_t>(recorded.id)];
     row.rows = row.type.starts_with("ball") || row.type.starts_with("curvature") ? 3 : 1;
   }
+}
+
+// A rigid row that is open would be closed by a jump; a velocity across it would be lost in the first step.
+void Assembly::check_hard_rows(const Scene& scene) {
+  const System& s = scene.model.system;
+  const State& start = scene.model.state;
+  if (!s.has_hard_rows) return;
+  auto recorded_at = [&](int row) -> const Recorded& {
+    std::size_t i = 0;
+    while (row < scene.rows[i].first_row || row >= scene.rows[i].first_row + scene.rows[i].rows) ++i;
+    return rows_[i];
+  };
+  for (const Misfit& open : open_rows(s, start)) {
+    const Recorded& recorded = recorded_at(open.row);
+    const std::string unit = recorded.row.type == "turn" || recorded.row.type == "angle" ? " rad" : " m";
+    tell(*recorded.entry, recorded.entry->place,
+         "this rigid " + recorded.row.type + " is open by " + to_text(open.size) + unit +
+             " at the start, expected 0: a length as placed, a target that starts at 0");
+  }
+  const std::vector<Misfit> moving = moving_rows(s, start);
+  const auto worst = std::max_element(moving.begin(), moving.end(),
+                                      [](const Misfit& x, const Misfit& y) { return x.size < y.size; });
+  if (worst != moving.end())
+    notes_.push_back("the velocities at the start do not fit " + std::to_string(moving.size()) +
+                     (moving.size() == 1 ? " rigid row, " : " rigid rows, ") + s.row_name(worst->row) +
+                     " the most (" + to_text(worst->size) +
+                     " m/s or rad/s across it): the first step takes that motion and its energy away");
 }
 
 }  // namespace feder

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ class Assembly {
 
   /// The scene; to be used only if there were no problems. Its model has neither name nor times yet.
   Scene build();
+  /// After build(): what is no error but will surprise, one sentence each.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   enum class Kind { kParticle, kPoint, kBody, kGroup, kBroken };
@@ -66,7 +69,9 @@ class Assembly {
   bool anchor_of(const Entry& entry, const AnchorText& text, Anchor& out);
   bool ends_of(const Entry& entry, const std::vector<AnchorText>& between, Anchor& a, Anchor& b);
   bool bodies_of(const Entry& entry, const std::vector<AnchorText>& between, Anchor& a, Anchor& b);
+  bool different(const Entry& entry, const AnchorText& second, const Anchor& a, const Anchor& b);
   Vector3d place_of(const Anchor& anchor) const;
+  bool claim_row(const Entry& entry, const NameText& name, const std::string& type);
   void record(const Entry& entry, const NameText& name, const std::vector<int>& ids,
               const std::vector<std::string>& types, const std::vector<Anchor>& nodes);
   void add_springs();
@@ -77,7 +82,7 @@ class Assembly {
   void add_slides();
   void add_perpendiculars();
   void add_forces();
-  void set_fields(std::vector<ForceField>& fields);
+  void set_fields();
   void add_torques();
 
   // generators
@@ -96,7 +101,8 @@ class Assembly {
   template <class At>
   bool add_grid(const Entry& entry, const NameText& name, double mass, Grid& grid, At&& node_at);
   // A spring from every node to the one `step` further, where there is one.
-  void add_grid_springs(const Grid& grid, const std::array<int, 3>& step, const Material& material);
+  void add_grid_springs(const Entry& entry, const Grid& grid, const std::array<int, 3>& step,
+                        const Material& material);
   bool counts_of(const Entry& entry, const std::vector<double>& numbers, std::size_t wanted, Grid& grid);
   void add_chains();
   void add_cloths();
@@ -104,6 +110,8 @@ class Assembly {
   void add_nets();
 
   void close(Scene& scene, const System& system) const;
+  void check_hard_rows(const Scene& scene);
+  void check_start(const Scene& scene);
 
   const Document& document_;
   AssemblyLimits limits_;
@@ -117,8 +125,17 @@ class Assembly {
   struct Recorded {
     SceneRow row;
     int id;
+    const Entry* entry;
   };
   std::vector<Recorded> rows_;
+  std::vector<std::string> notes_;
+  std::set<std::pair<std::string, std::string>> row_names_;  // of entries: name and type
+  struct Field {
+    const ForceEntry* entry;
+    ForceField field;
+  };
+  std::vector<Field> fields_;                       // forces by expressions
+  std::vector<const LawSpringEntry*> law_springs_;  // in the order of the system's
   double nodes_ = 0.0, row_count_ = 0.0;
   Scene scene_;
 };

@@ -20,9 +20,12 @@ class Diagnostics {
   /// `file` as messages name it; `changes` are the texts of --set.
   explicit Diagnostics(std::string file, std::vector<std::string> changes = {});
 
+  /// Of a million problems, only those that will be shown are kept.
   void add(TextPlace place, const std::string& message);
-  std::size_t count() const { return problems_.size(); }
-  bool empty() const { return problems_.empty(); }
+  /// Would a problem here be among those shown? Saves the search for words like a misspelt one.
+  bool shows(TextPlace place) const;
+  std::size_t count() const { return count_; }
+  bool empty() const { return count_ == 0; }
   /// Throws SceneError with the problems in file order, at most kMostShown of them.
   void throw_if_any() const;
 
@@ -35,7 +38,8 @@ class Diagnostics {
   };
   std::string file_;
   std::vector<std::string> changes_;
-  std::vector<Problem> problems_;
+  std::vector<Problem> problems_;  // the first kMostShown in file order
+  std::size_t count_ = 0;
 };
 
 }  // namespace feder

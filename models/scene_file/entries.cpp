@@ -204,7 +204,8 @@ const Keys<BodyEntry>& keys_of(const BodyEntry*) {
             key<E>("angular_velocity", &E::angular_velocity, "[0, 0, 0]", "rad/s", "in world axes", kTriple),
             mask_key("free", &E::free, "directions of the world its centre of mass may move in"),
             mask_key("free_spin", &E::free_spin,
-                     "principal axes it may turn about: x that of the smallest moment, z of the largest")});
+                     "axes it may turn about: its own where they are principal, else principal ones, moments "
+                     "ascending")});
     return keys;
   }();
   return list;
@@ -267,12 +268,10 @@ const Keys<JointEntry>& keys_of(const JointEntry*) {
                    "(cylindrical), 1 slide (prismatic), nothing (weld)",
                    kJoints)};
     append(keys, between_keys<E>(kBodies));
-    append(keys,
-           {key<E>("place", &E::place_at, kRequired, "m", "in the world at the start", kTriple),
-            key<E>("axis", &E::axis, "", "", "in the world at the start; not for ball and weld",
-                   "a direction [x, y, z]"),
-            key<E>("axis_b", &E::axis_b, "", "",
-                   "second axis of a universal joint, perpendicular to the first", "a direction [x, y, z]")});
+    append(keys, {key<E>("place", &E::place_at, kRequired, "m", "in the world at the start", kTriple),
+                  direction_key("axis", &E::axis, "", "in the world at the start; not for ball and weld"),
+                  direction_key("axis_b", &E::axis_b, "",
+                                "second axis of a universal joint, perpendicular to the first")});
     append(keys, material_keys<E>("N/m", "kg/s", "rigid"));
     append(keys,
            {key<E>("angular_stiffness", &E::angular_stiffness, "rigid", "N m",
@@ -289,8 +288,8 @@ const Keys<TurnEntry>& keys_of(const TurnEntry*) {
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>(kBodies);
     append(keys,
-           {key<E>("axis", &E::axis, kRequired, "",
-                   "of the turn, fixed in the first, in the world at the start", "a direction [x, y, z]"),
+           {direction_key("axis", &E::axis, kRequired,
+                          "of the turn, fixed in the first, in the world at the start"),
             key<E>("target", &E::target, "0", "rad",
                    "angle it is at rest at, counted from the start over turns; of t: a motor", kScalar)});
     append(keys, material_keys<E>("N m", "kg m^2/s", "required, or a material"));
@@ -304,8 +303,7 @@ const Keys<SlideEntry>& keys_of(const SlideEntry*) {
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>(kBodies);
     append(keys, {key<E>("place", &E::place_at, kRequired, "m", "in the world at the start", kTriple),
-                  key<E>("axis", &E::axis, kRequired, "", "fixed in the first, in the world at the start",
-                         "a direction [x, y, z]"),
+                  direction_key("axis", &E::axis, kRequired, "fixed in the first, in the world at the start"),
                   key<E>("target", &E::target, "0", "m",
                          "way it is at rest at, from the start; of t: a linear motor", kScalar)});
     append(keys, material_keys<E>("N/m", "kg/s", "required, or a material"));
@@ -318,10 +316,10 @@ const Keys<PerpendicularEntry>& keys_of(const PerpendicularEntry*) {
   using E = PerpendicularEntry;
   static const Keys<E> list = [] {
     Keys<E> keys = between_keys<E>(kBodies);
-    append(keys, {key<E>("direction_a", &E::direction_a, kRequired, "",
-                         "fixed in the first, in the world at the start", "a direction [x, y, z]"),
-                  key<E>("direction_b", &E::direction_b, kRequired, "",
-                         "fixed in the second, in the world at the start", "a direction [x, y, z]")});
+    append(keys, {direction_key("direction_a", &E::direction_a, kRequired,
+                                "fixed in the first, in the world at the start"),
+                  direction_key("direction_b", &E::direction_b, kRequired,
+                                "fixed in the second, in the world at the start")});
     append(keys, material_keys<E>("N m", "kg m^2/s", "rigid"));
     return keys;
   }();
@@ -434,13 +432,15 @@ const Keys<NetEntry>& keys_of(const NetEntry*) {
 
 template <class E>
 void read_list(const Value& value, const char* table, std::vector<E>& out, Diagnostics& problems) {
+  const std::string key = std::is_same_v<E, PartEntry> ? "parts" : table,
+                    header = std::is_same_v<E, PartEntry> ? "body.parts" : table;
   if (value.type != Value::Type::kArray ||
       std::any_of(value.items.begin(), value.items.end(),
                   [](const Value& v) { return v.type != Value::Type::kTable; })) {
-    problems.add(value.place,
-                 std::string(table) + " = " + value.shown() + ", expected tables [[" + table + "]]");
+    problems.add(value.place, key + " = " + value.shown() + ", expected tables [[" + header + "]]");
     return;
   }
+  static const std::vector<KeyInfo> known = infos(keys_of(static_cast<const E*>(nullptr)));
   out.resize(value.items.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Value& item = value.items[i];
@@ -449,7 +449,7 @@ void read_list(const Value& value, const char* table, std::vector<E>& out, Diagn
     out[i].label = std::string(table) + " " +
                    (name && name->type == Value::Type::kText ? quoted(name->text) : std::to_string(i));
     const std::size_t before = problems.count();
-    read_entry(item, keys_of(static_cast<const E*>(nullptr)), out[i].label, out[i], problems);
+    read_entry(item, keys_of(static_cast<const E*>(nullptr)), known, out[i].label, out[i], problems);
     out[i].broken = problems.count() > before;
   }
 }

@@ -1,5 +1,8 @@
 #include "models/scene_file/functions.h"
 
+#include <cmath>
+#include <utility>
+
 namespace feder {
 namespace {
 
@@ -36,7 +39,16 @@ std::optional<Target> target_of(const FunctionText& text, const std::string& whe
     return curve ? std::optional(target_from(*curve)) : std::nullopt;
   }
   const auto expression = expression_of(text, {"t"}, where, problems);
-  return expression ? std::optional(target_from(*expression)) : std::nullopt;
+  if (!expression) return std::nullopt;
+  Target target = target_from(*expression);
+  for (const auto& [what, at_start] : {std::pair("", target.value(0.0)), {", its rate", target.rate(0.0)}})
+    if (!std::isfinite(at_start)) {
+      problems.add(text.place, where + " = " + quoted(text.expression) + what + " is " +
+                                   (std::isnan(at_start) ? "nan" : to_text(at_start)) +
+                                   " at t = 0, expected a finite number");
+      return std::nullopt;
+    }
+  return target;
 }
 
 std::optional<SpringLaw> law_of(const FunctionText& text, double rest, const std::string& where,

@@ -22,9 +22,14 @@ bool is_number(const Value& value) {
   return value.type == Type::kInteger || value.type == Type::kNumber;
 }
 
-// "rigid" and "fixed" stand for infinity where the range has it; inf and nan are no values of a scene.
-bool number_of(const Value& value, const Range& range, double& out) {
-  if (value.type == Type::kText && range.rigid && (value.text == "rigid" || value.text == "fixed")) {
+// The word for infinity.
+const char* infinite(const KeyInfo& key) {
+  return key.unit == "kg" ? "fixed" : "rigid";
+}
+
+// inf and nan are no values of a scene.
+bool number_of(const KeyInfo& key, const Value& value, const Range& range, double& out) {
+  if (value.type == Type::kText && range.rigid && value.text == infinite(key)) {
     out = kRigid;
     return true;
   }
@@ -41,12 +46,6 @@ bool vector_of(const Value& value, Vector3d& out) {
   }
   for (int c = 0; c < 3; ++c) out[c] = value.items[static_cast<std::size_t>(c)].number;
   return true;
-}
-
-std::string expectation_of(const Range& range) {
-  Range finite = range;
-  finite.rigid = false;
-  return finite.expectation() + (range.rigid ? ", or \"rigid\"" : "");
 }
 
 constexpr const char* kVector = "three finite numbers [x, y, z]";
@@ -70,9 +69,10 @@ bool anchor_of(const KeyInfo& key, const Value& value, const std::string& where,
                                             {"place", "m", "", kVector, "", false}};
   const std::size_t before = problems.count();
   check_keys(value, keys, where + ": " + key.name, value.place, problems);
-  if (const Value* name = value.find("body")) read_value(keys[0], *name, where, out.name, problems);
-  if (const Value* point = value.find("point")) read_value(keys[1], *point, where, out.point, problems);
-  if (const Value* place = value.find("place")) read_value(keys[2], *place, where, out.place, problems);
+  const std::string inside = where + ": " + key.name;
+  if (const Value* name = value.find("body")) read_value(keys[0], *name, inside, out.name, problems);
+  if (const Value* point = value.find("point")) read_value(keys[1], *point, inside, out.point, problems);
+  if (const Value* place = value.find("place")) read_value(keys[2], *place, inside, out.place, problems);
   if (out.point.given && out.place.given)
     problems.add(out.place.place,
                  where + ": " + key.name +
@@ -82,14 +82,23 @@ bool anchor_of(const KeyInfo& key, const Value& value, const std::string& where,
 
 }  // namespace
 
+std::string expectation_of(const KeyInfo& key, const Range& range) {
+  Range finite = range;
+  finite.rigid = false;
+  return finite.expectation() + (range.rigid ? std::string(", or \"") + infinite(key) + "\"" : "");
+}
+
 void check_keys(const Value& table, const std::vector<KeyInfo>& keys, const std::string& where,
                 TextPlace place, Diagnostics& problems) {
-  std::vector<std::string> names;
-  for (const KeyInfo& key : keys) names.push_back(key.name);
-  for (const Value::Member& member : table.members)
-    if (std::find(names.begin(), names.end(), member.key) == names.end())
-      problems.add(member.place, where + ": no key " + quoted(member.key) + ", did you mean '" +
-                                     nearest(member.key, names) + "'? It has: " + join(names));
+  for (const Value::Member& member : table.members) {
+    const auto is_it = [&](const KeyInfo& key) { return key.name == member.key; };
+    if (std::any_of(keys.begin(), keys.end(), is_it)) continue;
+    std::vector<std::string> names;
+    if (problems.shows(member.place))
+      for (const KeyInfo& key : keys) names.push_back(key.name);
+    problems.add(member.place, where + ": no key " + quoted(member.key) + ", did you mean '" +
+                                   nearest(member.key, names) + "'? It has: " + join(names));
+  }
   for (const KeyInfo& key : keys)
     if (key.required && !table.find(key.name))
       problems.add(place, where + ": '" + key.name + "' is missing, expected " + key.expectation +
@@ -98,15 +107,15 @@ void check_keys(const Value& table, const std::vector<KeyInfo>& keys, const std:
 
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
                 PlacedNumber& out, Diagnostics& problems) {
-  if (double number = 0.0; number_of(value, range, number))
+  if (double number = 0.0; number_of(key, value, range, number))
     out = {number, value.place, true};
   else
-    refuse(key, value, where, expectation_of(range), problems);
+    refuse(key, value, where, expectation_of(key, range), problems);
 }
 
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
                 double& out, Diagnostics& problems) {
-  if (!number_of(value, range, out)) refuse(key, value, where, expectation_of(range), problems);
+  if (!number_of(key, value, range, out)) refuse(key, value, where, expectation_of(key, range), problems);
 }
 
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
@@ -122,8 +131,8 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
   if (value.type != Type::kArray) return refuse(key, value, where, "an array of numbers", problems);
   std::vector<double> numbers(value.items.size());
   for (std::size_t i = 0; i < numbers.size(); ++i)
-    if (!number_of(value.items[i], range, numbers[i]))
-      return refuse(key, value.items[i], where, "in the array " + expectation_of(range), problems);
+    if (!number_of(key, value.items[i], range, numbers[i]))
+      return refuse(key, value.items[i], where, "in the array " + expectation_of(key, range), problems);
   out = numbers;
 }
 
@@ -146,9 +155,17 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
   out = value.text;
 }
 
+// The number that is none, or the whole.
+const Value& culprit(const Value& vector) {
+  const auto wrong = std::find_if(vector.items.begin(), vector.items.end(), [](const Value& item) {
+    return !is_number(item) || !std::isfinite(item.number);
+  });
+  return vector.items.size() != 3 || wrong == vector.items.end() ? vector : *wrong;
+}
+
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, Vector3d& out,
                 Diagnostics& problems) {
-  if (!vector_of(value, out)) refuse(key, value, where, kVector, problems);
+  if (!vector_of(value, out)) refuse(key, culprit(value), where, kVector, problems);
 }
 
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, PlacedVector& out,
@@ -156,7 +173,7 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
   if (Vector3d vector; vector_of(value, vector))
     out = {vector, value.place, true};
   else
-    refuse(key, value, where, kVector, problems);
+    refuse(key, culprit(value), where, kVector, problems);
 }
 
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, AnchorText& out,
@@ -166,7 +183,8 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
 
 void read_value(const KeyInfo& key, const Value& value, const std::string& where,
                 std::vector<AnchorText>& out, Diagnostics& problems) {
-  if (value.type != Type::kArray) return refuse(key, value, where, key.expectation, problems);
+  if (value.type != Type::kArray || value.items.empty())
+    return refuse(key, value, where, key.expectation, problems);
   std::vector<AnchorText> anchors(value.items.size());
   for (std::size_t i = 0; i < anchors.size(); ++i)
     if (!anchor_of(key, value.items[i], where, anchors[i], problems)) return;
@@ -184,8 +202,8 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
     function.kind = FunctionText::Kind::kTable;
     for (const Value& pair : value.items) {
       double x = 0.0, y = 0.0;
-      if (pair.items.size() != 2 || !number_of(pair.items[0], kAnyNumber, x) ||
-          !number_of(pair.items[1], kAnyNumber, y))
+      if (pair.items.size() != 2 || !number_of(key, pair.items[0], kAnyNumber, x) ||
+          !number_of(key, pair.items[1], kAnyNumber, y))
         return refuse(key, pair, where, "in the table a pair of finite numbers", problems);
       function.pairs.push_back({x, y});
     }
@@ -211,12 +229,11 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
     Vector3d axis = Vector3d::UnitZ();
     double angle = 0.0;
     check_keys(value, keys, where + ": " + key.name, value.place, problems);
-    if (const Value* v = value.find("axis")) read_value(keys[0], *v, where, axis, problems);
-    if (const Value* v = value.find("angle")) read_value(keys[1], *v, where, kAnyNumber, angle, problems);
+    const std::string inside = where + ": " + key.name;
+    if (const Value* v = value.find("axis")) read_direction(keys[0], *v, inside, axis, problems);
+    if (const Value* v = value.find("angle")) read_value(keys[1], *v, inside, kAnyNumber, angle, problems);
     if (problems.count() > before) return;
-    if (!(axis.norm() > 0.0) || !std::isfinite(axis.norm()))
-      return refuse(keys[0], *value.find("axis"), where, "a direction", problems);
-    out.axes = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+    out.axes = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
     return;
   }
   constexpr double kUnit = 1e-6;  // a quaternion written with few digits
@@ -228,6 +245,26 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
   if (!(std::abs(norm - 1.0) <= kUnit))
     return refuse(key, value, where, "a unit quaternion [w, x, y, z], or {axis, angle}", problems);
   out.axes = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+}
+
+void read_direction(const KeyInfo& key, const Value& value, const std::string& where, PlacedVector& out,
+                    Diagnostics& problems) {
+  const std::size_t before = problems.count();
+  PlacedVector vector;
+  read_value(key, value, where, vector, problems);
+  if (problems.count() > before) return;
+  const double length = vector.value.stableNorm();
+  if (!(length > 0.0) || !std::isfinite(length))
+    return problems.add(value.place,
+                        where + ": " + key.name + " of length " + to_text(length) + ", expected a direction");
+  out = {vector.value.stableNormalized(), value.place, true};
+}
+
+void read_direction(const KeyInfo& key, const Value& value, const std::string& where, Vector3d& out,
+                    Diagnostics& problems) {
+  PlacedVector direction{out, {}, false};
+  read_direction(key, value, where, direction, problems);
+  out = direction.value;
 }
 
 void read_choice(const KeyInfo& key, const Value& value, const std::string& where,

@@ -65,6 +65,9 @@ struct Key {
 template <class Entry>
 using Keys = std::vector<Key<Entry>>;
 
+/// A range in words, infinity as scene files write it.
+std::string expectation_of(const KeyInfo& key, const Range& range);
+
 // Readers of one value. Each reports what it does not like as "<where>: <key> = <value>, expected ..." and
 // then leaves `out` alone.
 using Out = Diagnostics&;
@@ -96,6 +99,10 @@ void read_value(const KeyInfo& key, const Value& value, const std::string& where
 /// A numeric list of `range`.
 void read_value(const KeyInfo& key, const Value& value, const std::string& where, const Range& range,
                 std::vector<double>& out, Out problems);
+void read_direction(const KeyInfo& key, const Value& value, const std::string& where, Vector3d& out,
+                    Out problems);
+void read_direction(const KeyInfo& key, const Value& value, const std::string& where, PlacedVector& out,
+                    Out problems);
 /// A word of `choices` as its place in the list.
 void read_choice(const KeyInfo& key, const Value& value, const std::string& where,
                  const std::vector<std::string>& choices, int& out, Out problems);
@@ -115,11 +122,11 @@ std::vector<KeyInfo> infos(const Keys<Entry>& keys) {
   return list;
 }
 
-/// Fills an entry from a table.
+/// Fills an entry from a table. `known` are infos(keys), made once for many entries.
 template <class Entry>
-void read_entry(const Value& table, const Keys<Entry>& keys, const std::string& where, Entry& entry,
-                Diagnostics& problems) {
-  check_keys(table, infos(keys), where, table.place, problems);
+void read_entry(const Value& table, const Keys<Entry>& keys, const std::vector<KeyInfo>& known,
+                const std::string& where, Entry& entry, Diagnostics& problems) {
+  check_keys(table, known, where, table.place, problems);
   for (const Key<Entry>& key : keys)
     if (const Value* value = table.find(key.info.name)) key.read(entry, *value, where, problems);
 }
@@ -137,12 +144,24 @@ Key<Entry> key(const char* name, Member Base::*member, const char* default_value
             read_value(info, value, where, entry.*member, problems);
           }};
 }
+/// A vector that is not 0, kept with length 1.
+template <class Entry, class Member>
+Key<Entry> direction_key(const char* name, Member Entry::*member, const char* default_value,
+                         const char* what) {
+  const bool required = default_value == kRequired;
+  KeyInfo info{name, "", what, "a direction [x, y, z]", required ? "" : default_value, required};
+  return {info,
+          [info, member](Entry& entry, const Value& value, const std::string& where, Diagnostics& problems) {
+            read_direction(info, value, where, entry.*member, problems);
+          }};
+}
 /// A number, integer or list of numbers with a range.
 template <class Entry, class Base, class Member>
 Key<Entry> key(const char* name, Member Base::*member, const char* default_value, const char* unit,
                const char* what, const Range& range) {
   const bool required = default_value == kRequired;
-  KeyInfo info{name, unit, what, range.expectation(), required ? "" : default_value, required};
+  KeyInfo info{name, unit, what, "", required ? "" : default_value, required};
+  info.expectation = expectation_of(info, range);
   return {info, [info, member, range](Entry& entry, const Value& value, const std::string& where,
                                       Diagnostics& problems) {
             read_value(info, value, where, range, entry.*member, problems);

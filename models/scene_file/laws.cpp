@@ -87,11 +87,11 @@ void write_stiffness(const ForceField& field, const std::array<double, kForceInp
 
 void check_field(const ForceField& field) {
   for (const Expression& component : field.force) require_variables(component, kForceVariables);
-  for (auto node = field.nodes.begin(); node != field.nodes.end(); ++node) {
-    if (*node < 0) fail_input("force", "node", *node, "", "one of the scene");
-    if (std::find(field.nodes.begin(), node, *node) != node)
-      fail_input("force", "node", *node, "", "each node once");
-  }
+  std::vector<int> nodes = field.nodes;
+  std::sort(nodes.begin(), nodes.end());
+  if (!nodes.empty() && nodes.front() < 0) fail_input("force", "node", nodes.front(), "", "one of the scene");
+  if (const auto twice = std::adjacent_find(nodes.begin(), nodes.end()); twice != nodes.end())
+    fail_input("force", "node", *twice, "", "each node once");
 }
 
 bool depends_on_place(const ForceField& field) {
@@ -155,6 +155,11 @@ SpringLaw law_from(const Curve& curve, double rest) {
             return Tension{tension.value, tension.first, 0.0};
           },
           [shared, start](double length) { return shared->integral(length) - start; }};
+}
+
+double force_component(const ForceField& field, std::size_t c, double t, const VectorXd& q, const VectorXd& v,
+                       int node) {
+  return field.force[c].value(inputs(t, q, v, node));
 }
 
 UserForce force_from(const std::vector<ForceField>& fields) {

@@ -41,6 +41,9 @@ struct ForceField {
   std::array<Expression, 3> force;
   std::vector<int> nodes;
 };
+/// Component c of the force on a node [N].
+double force_component(const ForceField& field, std::size_t c, double t, const VectorXd& q, const VectorXd& v,
+                       int node);
 inline const std::vector<std::string> kForceVariables = {"t", "x", "y", "z", "vx", "vy", "vz"};
 
 /// The sum of the fields, with the symmetric part of -dF/dx per node as its stiffness where some field

@@ -100,7 +100,9 @@ about the axis, positive by the right-hand rule. `[[slide]]` sees how far the se
 asin acos atan atan2 sinh cosh tanh exp ln log10 sqrt abs sign min max`. Their derivatives are exact. Tables
 `[[x, y], ...]` become smooth curves through the points, monotone where the points are, straight beyond them.
 
-**Stiffness** may be `"rigid"`: the row is then held exactly. A mass of `"fixed"` never moves.
+**Stiffness** may be `"rigid"`: the row is then held exactly, and must be closed at the start. Velocities must fit the
+rigid rows, too, also the `velocity` of a body that turns about a pin; what does not fit is told as a note, and the
+first step takes it away. A mass of `"fixed"` never moves.
 
 **Results** are CSV files in the folder of `--out`, one block of lines per frame; `files` of `[output]` says which.
 
@@ -110,8 +112,10 @@ asin acos atan atan2 sinh cosh tanh exp ln log10 sqrt abs sign min max`. Their d
   depend on the rate), `total`, momentum `px py pz`, angular momentum `lx ly lz` about the origin of the world.
 * `rows`, rows.csv: of every spring, bending, joint, turn and slide its `phi`, how far it is from rest (m or rad; of
   rows that hold directions the cosine between them, of bending straight at rest 2 tan of half the angle), and its
-  force or moment `lambda` = -stiffness * phi - damping * rate, negative where a spring pulls. Law springs have no
-  row, and integrators that do not solve for `lambda` leave it empty.
+  force or moment `lambda` = -stiffness * phi - damping * rate, negative where a spring pulls: the force on the
+  second of `between` along growing `phi` (of a ball the components in world axes). Of implicit integrators it is that
+  of the last step, first order in dt; of the others, and at the start, that of the state itself. Law springs have no
+  row.
 * `trajectory`, `npy`: trajectory.csv and trajectory.npy, one line per frame: all places, quaternions, velocities.
 * `vtu`: frames/*.vtu and a .pvd that ParaView plays.
 

@@ -59,12 +59,15 @@ bool conservative(const System& s) {
          s.drives.empty() && s.law_springs.empty();
 }
 
-void set_times(const Document& document, const SceneOptions& options, Model& model, Diagnostics& problems) {
+void set_times(const Value& root, const Document& document, const SceneOptions& options, Model& model,
+               Diagnostics& problems) {
   if (document.end_time.given) model.end_time = document.end_time.value;
   if (options.quick && document.quick_end_time.given) model.end_time = document.quick_end_time.value;
-  if (!(model.end_time > 0.0) && problems.empty())
+  if (!root.find("end_time") && !root.find("model"))
     problems.add(document.place, "scene: 'end_time' is missing, expected a finite number > 0 in s");
   if (document.scene_length.given) model.scene_length = document.scene_length.value;
+  for (const OtherTable& other : options.others)
+    if (other.check && model.end_time > 0.0) other.check(model.end_time, problems);
 }
 
 }  // namespace
@@ -95,9 +98,10 @@ SceneFile read_scene_text(const std::string& text, const std::string& name,
     Assembly assembly(document, {options.most_nodes, options.most_rows, folder, options.allow_outside},
                       problems);
     file.scene = assembly.build();
+    file.notes = assembly.notes();
   }
   Model& model = file.scene.model;
-  set_times(document, options, model, problems);
+  set_times(root, document, options, model, problems);
   problems.throw_if_any();
   if (!document.model.given) {
     model.name = std::filesystem::path(name).stem().string();

@@ -11,10 +11,12 @@
 namespace feder {
 
 /// A table of the file that is not physics, read by the caller. `read` is given the table and where to tell
-/// its problems, so that they come together with those of the scene.
+/// its problems, so that they come together with those of the scene; `check`, if there is one, looks at it
+/// again once the end time is known.
 struct OtherTable {
   std::string name;
   std::function<void(const Value& table, Diagnostics& problems)> read;
+  std::function<void(double end_time, Diagnostics& problems)> check = {};
 };
 
 /// How a scene file is read.
@@ -30,6 +32,7 @@ struct SceneOptions {
 struct SceneFile {
   Scene scene;
   std::string title;
+  std::vector<std::string> notes;  ///< what is no error but will surprise, one sentence each
 };
 
 /// Reads a scene. Throws SceneError (an InputError) with every problem found, one line each:

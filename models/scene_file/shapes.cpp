@@ -110,7 +110,8 @@ std::optional<std::filesystem::path> ShapeReader::inside(const std::string& labe
   const std::filesystem::path root = std::filesystem::weakly_canonical(folder_, error),
                               path = std::filesystem::weakly_canonical(folder_ / file.value, error);
   const std::filesystem::path relative = path.lexically_relative(root);
-  if (!allow_outside_ && (error || relative.empty() || *relative.begin() == "..")) {
+  const bool no_path = file.value.find('\0') != std::string::npos;
+  if (no_path || (!allow_outside_ && (error || relative.empty() || *relative.begin() == ".."))) {
     problems_.add(file.place, label + ": mesh = " + quoted(file.value) +
                                   ", expected a file inside the scene's folder (or --allow-outside)");
     return std::nullopt;

@@ -12,12 +12,13 @@ constexpr double kFits = 1e-6;
 
 }  // namespace
 
-std::vector<Misfit> open_rows(const System& s, const State& start, double scene_length) {
+std::vector<Misfit> open_rows(const System& s, const State& start) {
   VectorXd phi;
   evaluate_phi(s, start.q, phi);
+  const double farthest = start.q.head(3 * s.places()).cwiseAbs().maxCoeff();
   std::vector<Misfit> misfits;
   for (int k = 0; k < s.rows; ++k)
-    if (std::isinf(s.stiffness[k]) && !(std::abs(phi[k]) <= kFits * std::max(1.0, scene_length)))
+    if (std::isinf(s.stiffness[k]) && !(std::abs(phi[k]) <= kFits * std::max(1.0, farthest)))
       misfits.push_back({k, std::abs(phi[k])});
   return misfits;
 }

@@ -12,8 +12,9 @@ struct Misfit {
   double size = 0.0;  ///< |phi| [m], [rad] or [1]; or |J v + phi_t| per second
 };
 
-/// Hard rows that are open at the start by more than 1e-6 of the scene's length, or 1e-6 rad.
-std::vector<Misfit> open_rows(const System& system, const State& start, double scene_length);
+/// Hard rows that are open at the start by more than 1e-6 m or rad, or 1e-6 of the place farthest from the
+/// origin.
+std::vector<Misfit> open_rows(const System& system, const State& start);
 
 /// Hard rows whose rate at the start is more than 1e-6 of the fastest velocity in the scene: the first step
 /// takes that motion away, and its energy with it.
