@@ -124,8 +124,10 @@ std::vector<OtherTable> method_readers(Method& method, Output& output) {
   };
   auto check_method = [&method, dt_place](double end_time, Diagnostics& problems) {
     if (method.dt > 0.0 && !(end_time / method.dt <= kMostSteps))
-      problems.add(*dt_place, "method: dt = " + to_text(method.dt) +
-                                  " s, expected at most 2^53 steps up to " + to_text(end_time) + " s");
+      problems.add(*dt_place,
+                   "method: dt = " + to_text(method.dt) +
+                       " s, expected a step that the clock can resolve, at most 2^53 of them up to " +
+                       to_text(end_time) + " s");
   };
   return {{"method", read_method, check_method}, {"output", read_output, check_output}};
 }

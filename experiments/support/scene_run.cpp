@@ -176,6 +176,7 @@ class Run {
     const double share = extrapolate ? 1.0 : (end - state.t) / times_.back();
     const double before = report_.seconds;
     const Stopwatch watch;
+    bool late = false;
     const AdaptiveResult result = simulate_adaptive(system_, *integrator_, state, history_,
                                                     {.tolerance = method_.tolerance * share,
                                                      .first_dt = std::min(method_.dt, end - state.t),
@@ -183,13 +184,14 @@ class Run {
                                                      .extrapolate = extrapolate,
                                                      .observer = [&](const State&, double, double) {
                                                        report_.seconds = before + watch.seconds();
-                                                       return !interrupt_requested() && !out_of_time();
+                                                       late = out_of_time();
+                                                       return !interrupt_requested() && !late;
                                                      }});
     report_.steps += result.accepted;
     report_.seconds = before + result.seconds;
     report_.dt = std::isnan(report_.dt) ? result.largest_dt : std::max(report_.dt, result.largest_dt);
     if (!result.status.ok() && interrupt_requested()) return stopped();
-    if (!result.status.ok()) return out_of_time() ? time_is_up(state) : result.status;
+    if (!result.status.ok()) return late ? time_is_up(state) : result.status;
     return check_(state);
   }
 

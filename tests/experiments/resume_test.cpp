@@ -24,7 +24,7 @@ const std::string kCloth =
 const std::string kLaws =
     "end_time = 0.06\ngravity = [0, -9.81, 0]\n[[chain]]\nname = \"rope\"\nfrom = [0, 0, 0]\nto = [1, 0, 0]\n"
     "count = 6\nmass = 0.3\nstiffness = 2e3\nbending_stiffness = 0.5\n[[point]]\nname = \"hand\"\n"
-    "motion = [\"0.05*sin(20*t)\", \"0.1*t\", [[0, 0], [0.03, 0.01], [1, 0]]]\n[[law_spring]]\n"
+    "motion = [\"0.05*sin(20*t)\", \"0.1*t\", [[0, 0.02], [0.03, 0.03], [1, 0]]]\n[[law_spring]]\n"
     "between = [\"hand\", \"rope[0]\"]\ntension = \"300*length + 0.5*rate + 1000*length^3\"\n[[force]]\n"
     "on = \"rope\"\nforce = [\"sin(50*t)\", \"-0.2*vy\", \"0.3*x*z\"]\n";
 

@@ -88,8 +88,11 @@ TEST(SceneRun, TakesEqualStepsWhereTheIntervalIsNoMultiple) {
 TEST(SceneRun, RefusesStepsTheClockCannotResolveBeforeItWritesAnything) {
   for (const char* dt : {"1e-17", "1e-300", "1e-13"}) {
     const TemporaryFolder folder;
-    ReadScene read = scene_from(spring("4096", "integrator = \"leapfrog\"\ndt = " + std::string(dt)));
-    EXPECT_THROW((void)run_in(folder.path(), read), InputError) << dt;
+    auto run = [&] {  // the first two the reader refuses already
+      ReadScene read = scene_from(spring("4096", "integrator = \"leapfrog\"\ndt = " + std::string(dt)));
+      (void)run_in(folder.path(), read);
+    };
+    EXPECT_THROW(run(), InputError) << dt;
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << dt;
   }
 }

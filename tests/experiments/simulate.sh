@@ -126,8 +126,10 @@ manifest_says diverged diverged
 whole_files diverged diverged
 (($(wc -l <diverged/energy.csv) > 3)) || fail "a diverged run has no frames: $(cat diverged/energy.csv)"
 expect 3 "simulate: diverged: " --rerun diverged/manifest.json --out again
+expect 2 "spring 's': this rigid distance is open by 0.0440" spring.toml --set spring.s.stiffness=rigid --out open
+[[ ! -e open ]] || fail "a refused scene leaves files"
 expect 3 "simulate: refused: explicit_euler .* rigid" spring.toml --integrator explicit_euler \
-  --set spring.s.stiffness=rigid --out refused
+  --set spring.s.stiffness=rigid --set spring.s.length=1.044030650891055 --out refused
 manifest_says refused refused
 expect 5 "simulate: limit_reached: wall-clock budget" spring.toml --set end_time=1e6 --set output.interval=5e5 \
   --set method.max_seconds=0.1 --out limit
