@@ -75,7 +75,7 @@ std::string hash_of(const Task& task, const SimulateOptions& options) {
 
 // Also what takes a look at the rank: a mechanism that cannot move.
 std::vector<std::string> all_notes(Task& task) {
-  constexpr int kMostRows = 2000;  // a second's work
+  constexpr int kMostRows = 2000;  // explain looks at far more than the rank
   std::vector<std::string> notes = task.file.notes;
   const System& s = task.model().system;
   if (s.has_hard_rows && !s.driven() && s.rows <= kMostRows && explain(task.model()).degrees_of_freedom == 0)

@@ -12,6 +12,23 @@ std::vector<std::string> numbered(std::vector<std::string> types, const std::str
   return types;
 }
 
+// What a viewer connects of a joint at a place: its point on both bodies, on one of them twice beside the
+// world.
+std::vector<Anchor> ends_at(SystemBuilder& builder, const Anchor& a, const Anchor& b, const Vector3d& place) {
+  const Anchor end = builder.anchor_at(a.body >= 0 ? a : b, place);
+  return {end, b.body >= 0 ? builder.anchor_at(b, place) : end};
+}
+
+// Calls add with the number a row rests at or the function it follows; not at all where the text is wrong.
+template <class Add>
+void with_target(const FunctionText& text, const std::string& where, Diagnostics& problems, Add&& add) {
+  using Kind = FunctionText::Kind;
+  if (text.kind == Kind::kNone || text.kind == Kind::kNumber)
+    add(text.number);
+  else if (const auto target = target_of(text, where, problems))
+    add(*target);
+}
+
 }  // namespace
 
 // Of the row's keys and its material's; what both leave out is `default_stiffness` (negative: required).
@@ -228,9 +245,7 @@ void Assembly::add_joints() {
         default:
           ids = add_weld(builder_, a, b, at, material), types = numbered({"ball"}, "perpendicular", 3);
       }
-      const Anchor& held = a.body >= 0 ? a : b;
-      const Anchor end = builder_.anchor_at(held, at);
-      record(entry, entry.name, ids, types, {end, b.body >= 0 ? builder_.anchor_at(b, at) : end});
+      record(entry, entry.name, ids, types, ends_at(builder_, a, b, at));
     });
   }
 }
@@ -242,17 +257,11 @@ void Assembly::add_turns() {
     const bool sound = material_of(entry, entry, -1.0, m);
     if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
     attempt(entry, [&] {
-      int id = 0;
-      if (entry.target.kind == FunctionText::Kind::kNone ||
-          entry.target.kind == FunctionText::Kind::kNumber) {
-        id = add_turn(builder_, a, b, entry.axis, m, entry.target.number);
-      } else {
-        const auto target = target_of(entry.target, entry.label + ": target", problems_);
-        if (!target) return;
-        id = add_turn(builder_, a, b, entry.axis, m, *target);
-      }
-      const Anchor& held = a.body >= 0 ? a : b;
-      record(entry, entry.name, {id}, {"turn"}, {held, b.body >= 0 ? b : held});
+      with_target(entry.target, entry.label + ": target", problems_, [&](const auto& target) {
+        const int id = add_turn(builder_, a, b, entry.axis, m, target);
+        const Anchor& held = a.body >= 0 ? a : b;
+        record(entry, entry.name, {id}, {"turn"}, {held, b.body >= 0 ? b : held});
+      });
     });
   }
 }
@@ -264,19 +273,10 @@ void Assembly::add_slides() {
     const bool sound = material_of(entry, entry, -1.0, m);
     if (!bodies_of(entry, entry.between, a, b) || !sound) continue;
     attempt(entry, [&] {
-      int id = 0;
-      if (entry.target.kind == FunctionText::Kind::kNone ||
-          entry.target.kind == FunctionText::Kind::kNumber) {
-        id = add_slide(builder_, a, b, entry.place_at, entry.axis, m, entry.target.number);
-      } else {
-        const auto target = target_of(entry.target, entry.label + ": target", problems_);
-        if (!target) return;
-        id = add_slide(builder_, a, b, entry.place_at, entry.axis, m, *target);
-      }
-      const Anchor& held = a.body >= 0 ? a : b;
-      const Anchor end = builder_.anchor_at(held, entry.place_at);
-      record(entry, entry.name, {id}, {"along"},
-             {end, b.body >= 0 ? builder_.anchor_at(b, entry.place_at) : end});
+      with_target(entry.target, entry.label + ": target", problems_, [&](const auto& target) {
+        const int id = add_slide(builder_, a, b, entry.place_at, entry.axis, m, target);
+        record(entry, entry.name, {id}, {"along"}, ends_at(builder_, a, b, entry.place_at));
+      });
     });
   }
 }
