@@ -228,13 +228,13 @@ void Assembly::add_nets() {
           if (j + 1 < nz)
             join(name(i, j) + " - " + name(i, j + 1), plate(i, j), plate(i, j + 1), centre(i, j + 0.5));
           if (i == 0 && has(entry.fixed, "x0"))
-            join("world - " + name(i, j), {}, plate(i, j), centre(-0.5, j));
+            join("world x0 - " + name(i, j), {}, plate(i, j), centre(-0.5, j));
           if (i == nx - 1 && has(entry.fixed, "x1"))
-            join(name(i, j) + " - world", plate(i, j), {}, centre(nx - 0.5, j));
+            join(name(i, j) + " - world x1", plate(i, j), {}, centre(nx - 0.5, j));
           if (j == 0 && has(entry.fixed, "z0"))
-            join("world - " + name(i, j), {}, plate(i, j), centre(i, -0.5));
+            join("world z0 - " + name(i, j), {}, plate(i, j), centre(i, -0.5));
           if (j == nz - 1 && has(entry.fixed, "z1"))
-            join(name(i, j) + " - world", plate(i, j), {}, centre(i, nz - 0.5));
+            join(name(i, j) + " - world z1", plate(i, j), {}, centre(i, nz - 0.5));
         }
     });
   }

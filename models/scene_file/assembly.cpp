@@ -208,9 +208,12 @@ void Assembly::check_hard_rows(const Scene& scene) {
   };
   for (const Misfit& open : open_rows(s, start)) {
     const Recorded& recorded = recorded_at(open.row);
-    const std::string unit = recorded.row.type == "turn" || recorded.row.type == "angle" ? " rad" : " m";
+    const std::string& type = recorded.row.type;
+    const char* unit = type.starts_with("perpendicular")   ? ""
+                       : type == "turn" || type == "angle" ? " rad"
+                                                           : " m";
     tell(*recorded.entry, recorded.entry->place,
-         "this rigid " + recorded.row.type + " is open by " + to_text(open.size) + unit +
+         "this rigid " + type + " is open by " + to_text(open.size) + unit +
              " at the start, expected 0: a length as placed, a target that starts at 0");
   }
   const std::vector<Misfit> moving = moving_rows(s, start);

@@ -55,6 +55,19 @@ TEST(StartCheck, RefusesARigidRowThatIsOpen) {
   }
 }
 
+TEST(StartCheck, GivesNoUnitToDirectionsThatAreNotPerpendicular) {
+  try {
+    scene(
+        "[[perpendicular]]\nbetween = [\"world\", \"bar\"]\ndirection_a = [1, 0, 0]\ndirection_b = [0.6, "
+        "0.8, 0]\n",
+        "[0, 1, 0]");
+    FAIL() << "accepted";
+  } catch (const SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("is open by 0.6 at the start"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(StartCheck, FindsOpenAndMovingRodsOfASystem) {
   SystemBuilder builder;
   const Anchor a = builder.add_world_point({0, 0, 0}), b = builder.add_particle(1.0, {2, 0, 0}, {0.5, 3, 0});
