@@ -1,20 +1,12 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "engine/state.h"
+#include "engine/geometry/triangle_mesh.h"
 
 namespace feder {
-
-/// What solid_mesh takes. Not checked to be closed.
-struct TriangleMesh {
-  std::vector<Vector3d> vertices;             ///< [m], finite
-  std::vector<std::array<int, 3>> triangles;  ///< vertex indices from 0, in range; at least one
-};
 
 inline constexpr std::size_t kLargestMeshFile = std::size_t{256} << 20;  // bytes
 
