@@ -12,6 +12,7 @@ template <GeometricStiffness kKind>
 Status LinearImplicitEuler<kKind>::prepare() {
   kkt_.prepare(*system_);
   dt_ = 0.0;
+  if (!system_->colliders.empty()) contacts_.emplace(*system_);
   return solver_.analyze(*system_, kGeometric);
 }
 
@@ -89,36 +90,44 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
     const Stopwatch watch(times_.evaluate);
     if (Status status = linearise(dt, state, history); !status.ok()) return status;
   }
-  if (Status status = solver_.factor(kkt_); !status.ok()) return status;
-  report_ = solver_.solve(kkt_, v_, y_);
-  if (!report_.status.ok()) return report_.status;
+  if (contacts_) {
+    const Status status = contacts_->solve(dt, state, history, kkt_, solver_, v_, y_, report_);
+    if (!status.ok()) return status;
+  } else {
+    if (Status status = solver_.factor(kkt_); !status.ok()) return status;
+    report_ = solver_.solve(kkt_, v_, y_);
+    if (!report_.status.ok()) return report_.status;
+  }
   ++counts_.steps, ++counts_.force_evaluations;
 
   if (ledger) {
     const VectorXd& start = s.bodies.empty() ? state.v : v_start_;  // after the gyroscopic step
     const VectorXd drag = -s.forces.drag.cwiseProduct(v_), dv = v_ - start, gyroscopic = start - state.v;
     const VectorXd impulse = kkt_.p - s.inertia.cwiseProduct(start);
+    const double pushed = contacts_ ? contacts_->work(v_) : 0.0;
     VectorXd Jv, Kv = VectorXd::Zero(v_.size());
     kkt_.multiply_jacobian(v_, Jv);
     kkt_.add_geometric(v_, Kv);
     *ledger = {
         kinetic_energy_change(s, state.v, v_),
         -row_energy(s, state),
-        impulse.dot(v_),
+        impulse.dot(v_) - pushed,
         dt * drag.dot(v_),
         y_.dot(Jv),
         -Kv.dot(v_),
-        -0.5 * (s.inertia.cwiseProduct(dv).dot(dv) + s.inertia.cwiseProduct(gyroscopic).dot(gyroscopic))};
+        -0.5 * (s.inertia.cwiseProduct(dv).dot(dv) + s.inertia.cwiseProduct(gyroscopic).dot(gyroscopic)),
+        pushed};
   }
   {
     const Stopwatch watch(times_.update);
-    advance(s, dt, v_, state.q, state.q, rotation_update_);
+    advance(s, dt, contacts_ ? contacts_->place_velocity(v_) : v_, state.q, state.q, rotation_update_);
     std::swap(state.v, v_);
     state.t += dt;
     drive(s, state);
     if (s.has_hard_rows || kGeometric) history.lambda = y_ / dt;
     history.force.resize(0);
     history.last_dt = dt;
+    if (contacts_) contacts_->remember(history);
   }
   if (ledger) ledger->row_change += row_energy(s, state);
   return {};
