@@ -65,8 +65,8 @@ Bvh<Volume>::Bvh(const TriangleMesh& mesh) {
   order_.reserve(items.size());
   indices_.reserve(items.size());
   for (const BuildItem& item : items) {
-    order_.push_back(item.id);
-    indices_.push_back(mesh.triangles[item.id]);
+    order_.push_back(item.id());
+    indices_.push_back(mesh.triangles[item.id()]);
   }
   corners_.reserve(items.size());
   for (const auto& [i, j, k] : indices_)

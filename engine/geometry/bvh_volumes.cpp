@@ -13,6 +13,7 @@ namespace feder {
 namespace {
 
 // Rounding of a pose and of the projections in a test, in units of the last place of the largest coordinate.
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 64.0 * std::numeric_limits<double>::epsilon();
 
 // integral of x x^T over the triangle a b c: area/12 (a a^T + b b^T + c c^T + s s^T), s = a + b + c
@@ -94,6 +95,41 @@ Relative relative(const Pose& a, const Pose& b, double reach) {
   out.turned = out.rotation != Matrix3d::Identity();
   out.slack = kSlack * (reach + out.position.norm());
   return out;
+}
+
+double ray_slack(double reach, const Vector3d& origin) {
+  return kSlack * (reach + origin.norm());
+}
+
+double ray_entry(const Aabb& box, const Vector3d& origin, const Vector3d& direction, double slack) {
+  double enter = 0.0, leave = kInfinity;
+  for (int c = 0; c < 3; ++c) {
+    const double low = box.min[c] - slack - origin[c], high = box.max[c] + slack - origin[c];
+    if (direction[c] == 0.0) {
+      if (low > 0.0 || high < 0.0) return kInfinity;
+      continue;
+    }
+    const double s = low / direction[c], t = high / direction[c];
+    enter = std::max(enter, std::min(s, t));
+    leave = std::min(leave, std::max(s, t));
+  }
+  return enter <= leave ? enter : kInfinity;
+}
+
+double ray_entry(const Obb& box, const Vector3d& origin, const Vector3d& direction, double slack) {
+  return ray_entry(Aabb{-box.half, box.half}, box.axes.transpose() * (origin - box.centre),
+                   box.axes.transpose() * direction, slack);
+}
+
+double ray_entry(const Sphere& ball, const Vector3d& origin, const Vector3d& direction, double slack) {
+  const double speed = direction.norm(), radius = ball.radius + slack;
+  const Vector3d to = ball.centre - origin;
+  if (to.norm() <= radius) return 0.0;
+  if (speed == 0.0) return kInfinity;
+  const Vector3d unit = direction / speed;
+  const double along = to.dot(unit), half_squared = radius * radius - (to - along * unit).squaredNorm();
+  if (along < 0.0 || half_squared < 0.0) return kInfinity;
+  return std::max(along - std::sqrt(half_squared), 0.0) / speed;
 }
 
 BoxGaps box_gaps(const Obb& a, const Obb& b, const Relative& frame) {

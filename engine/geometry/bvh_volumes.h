@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/geometry/bounding_volumes.h"
 #include "engine/geometry/shape.h"
 #include "engine/geometry/triangle_distance.h"
@@ -104,5 +107,11 @@ inline double distance_squared(const Sphere& a, const Sphere& b, const Relative&
   const double gap = std::max((frame(b.centre) - a.centre).norm() - a.radius - b.radius - frame.slack, 0.0);
   return gap * gap;
 }
+
+/// First t >= 0 with origin + t direction within `slack` of the volume; infinity: it passes by.
+double ray_entry(const Sphere& ball, const Vector3d& origin, const Vector3d& direction, double slack);
+double ray_entry(const Aabb& box, const Vector3d& origin, const Vector3d& direction, double slack);
+double ray_entry(const Obb& box, const Vector3d& origin, const Vector3d& direction, double slack);
+double ray_slack(double reach, const Vector3d& origin);
 
 }  // namespace feder

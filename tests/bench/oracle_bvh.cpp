@@ -1,0 +1,187 @@
+// Hierarchies over meshes beside FCL: build, and all pairs of triangles that meet. Same vertices and
+// triangles, same poses, one thread, alternating in one run; medians and quartiles. Of FCL the fastest of its
+// models counts: boxes along the axes (for them the motion is applied to the vertices beforehand: with a pose
+// FCL would do so in every query) and OBBRSS, each with its three ways to split.
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/narrowphase/collision.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "engine/geometry/bvh_queries.h"
+
+namespace feder {
+namespace {
+
+using fcl::detail::SplitMethodType;
+
+// A torus with `waves` bumps along it, 2 around * across triangles.
+TriangleMesh bumpy_torus(int around, int across, double bump, int waves) {
+  TriangleMesh mesh;
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < across; ++j) {
+      const double u = 2.0 * std::numbers::pi * i / around, v = 2.0 * std::numbers::pi * j / across;
+      const double tube = 0.4 * (1.0 + bump * std::sin(waves * u) * std::cos(5 * v)),
+                   r = 1.0 + tube * std::cos(v);
+      mesh.vertices.emplace_back(r * std::cos(u), r * std::sin(u), tube * std::sin(v));
+    }
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < across; ++j) {
+      const int next_i = (i + 1) % around, next_j = (j + 1) % across;
+      const int a = i * across + j, b = next_i * across + j, c = next_i * across + next_j,
+                d = i * across + next_j;
+      mesh.triangles.push_back({a, b, c});
+      mesh.triangles.push_back({a, c, d});
+    }
+  return mesh;
+}
+
+struct Times {
+  std::vector<double> ms;
+  double at(double fraction) {
+    std::sort(ms.begin(), ms.end());
+    return ms[static_cast<std::size_t>(fraction * static_cast<double>(ms.size() - 1) + 0.5)];
+  }
+};
+
+template <class Work>
+void measure(Times& times, Work&& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  times.ms.push_back(
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+}
+
+// One way to answer: `build` both hierarchies, `count` the pairs.
+struct Rival {
+  std::string name;
+  std::function<void()> build;
+  std::function<std::size_t()> count;
+  Times build_times{}, count_times{};
+  std::size_t pairs = 0;
+};
+
+struct FclData {
+  std::vector<fcl::Vector3d> vertices;
+  std::vector<fcl::Triangle> triangles;
+};
+FclData fcl_data(const TriangleMesh& mesh) {
+  FclData out{mesh.vertices, {}};
+  for (const auto& [i, j, k] : mesh.triangles)
+    out.triangles.emplace_back(static_cast<std::size_t>(i), static_cast<std::size_t>(j),
+                               static_cast<std::size_t>(k));
+  return out;
+}
+
+template <class Volume>
+std::shared_ptr<fcl::BVHModel<Volume>> fcl_model(const FclData& data, SplitMethodType split) {
+  auto model = std::make_shared<fcl::BVHModel<Volume>>();
+  model->bv_splitter = std::make_shared<fcl::detail::BVSplitter<Volume>>(split);
+  model->beginModel(static_cast<int>(data.triangles.size()), static_cast<int>(data.vertices.size()));
+  model->addSubModel(data.vertices, data.triangles);
+  model->endModel();
+  return model;
+}
+
+template <class Volume>
+Rival fcl_rival(const std::string& name, const FclData& a, const FclData& b, const fcl::Transform3d& pose_b,
+                SplitMethodType split) {
+  struct Models {
+    std::shared_ptr<fcl::BVHModel<Volume>> a, b;
+  };
+  const auto models = std::make_shared<Models>();
+  return {name,
+          [=, &a, &b] {
+            *models = {fcl_model<Volume>(a, split), fcl_model<Volume>(b, split)};
+          },
+          [=] {
+            fcl::CollisionRequestd request(std::size_t{1} << 40, false);
+            fcl::CollisionResultd result;
+            return fcl::collide(models->a.get(), fcl::Transform3d::Identity(), models->b.get(), pose_b,
+                                request, result);
+          }};
+}
+
+template <class Volume>
+Rival our_rival(const std::string& name, const TriangleMesh& a, const TriangleMesh& b, const Pose& pose_b) {
+  struct Models {
+    Bvh<Volume> a, b;
+  };
+  const auto models = std::make_shared<Models>();
+  return {name,
+          [=, &a, &b] {
+            *models = {Bvh<Volume>(a), Bvh<Volume>(b)};
+          },
+          [=] { return all_overlaps(models->a, Pose{}, models->b, pose_b).size(); }};
+}
+
+void compare(const char* what, int around, int across, bool turned, int repetitions) {
+  const TriangleMesh mesh = bumpy_torus(around, across, 0.1, 7);
+  Pose pose;
+  pose.position = {0.5, 0.3, 0.2};
+  if (turned) pose.rotation = Eigen::AngleAxisd(0.9, Vector3d(1, 2, 3).normalized()).matrix();
+  fcl::Transform3d fcl_pose = fcl::Transform3d::Identity();
+  fcl_pose.linear() = pose.rotation;
+  fcl_pose.translation() = pose.position;
+  TriangleMesh moved = mesh;
+  for (Vector3d& x : moved.vertices) x = pose.rotation * x + pose.position;
+  const FclData fcl_a = fcl_data(mesh), fcl_moved = fcl_data(moved);
+  const fcl::Transform3d at_rest = fcl::Transform3d::Identity();
+
+  std::vector<Rival> rivals;
+  rivals.push_back(our_rival<Aabb>("feder Aabb", mesh, mesh, pose));
+  rivals.push_back(our_rival<Aabb>("feder Aabb, moved before", mesh, moved, Pose{}));
+  rivals.push_back(our_rival<Obb>("feder Obb", mesh, mesh, pose));
+  rivals.push_back(our_rival<Sphere>("feder Sphere", mesh, mesh, pose));
+  const std::pair<const char*, SplitMethodType> splits[] = {{" mean", fcl::detail::SPLIT_METHOD_MEAN},
+                                                            {" median", fcl::detail::SPLIT_METHOD_MEDIAN},
+                                                            {" centre", fcl::detail::SPLIT_METHOD_BV_CENTER}};
+  for (const auto& [name, split] : splits) {
+    rivals.push_back(fcl_rival<fcl::AABBd>(std::string("FCL AABB, moved before,") + name, fcl_a, fcl_moved,
+                                           at_rest, split));
+    rivals.push_back(
+        fcl_rival<fcl::OBBRSSd>(std::string("FCL OBBRSS,") + name, fcl_a, fcl_a, fcl_pose, split));
+  }
+  for (int k = 0; k < repetitions; ++k)
+    for (Rival& rival : rivals) {
+      measure(rival.build_times, rival.build);
+      rival.count();
+      for (int again = 0; again < 3; ++again)
+        measure(rival.count_times, [&] { rival.pairs = rival.count(); });
+    }
+
+  std::printf("\n%s, 2 x %zu triangles, %d repetitions\n%-32s %28s %28s %9s\n", what, mesh.triangles.size(),
+              repetitions, "ms: median (quartiles)", "build of both", "all pairs", "pairs");
+  double best_build = 1e300, best_count = 1e300;
+  for (Rival& rival : rivals) {
+    std::printf("%-32s %10.3f (%7.3f, %7.3f) %10.4f (%7.4f, %7.4f) %9zu\n", rival.name.c_str(),
+                rival.build_times.at(0.5), rival.build_times.at(0.25), rival.build_times.at(0.75),
+                rival.count_times.at(0.5), rival.count_times.at(0.25), rival.count_times.at(0.75),
+                rival.pairs);
+    if (rival.name[0] != 'F') continue;
+    best_build = std::min(best_build, rival.build_times.at(0.5));
+    best_count = std::min(best_count, rival.count_times.at(0.5));
+  }
+  std::printf("FCL's fastest over feder Aabb: build %.2f, all pairs %.2f\n",
+              best_build / rivals[0].build_times.at(0.5), best_count / rivals[0].count_times.at(0.5));
+}
+
+}  // namespace
+}  // namespace feder
+
+int main(int argc, char** argv) {
+  const int repetitions = argc > 1 ? std::atoi(argv[1]) : 9;
+  const int sizes[3][2] = {{100, 50}, {316, 158}, {1000, 500}};
+  for (const auto& [around, across] : sizes)
+    for (bool turned : {false, true})
+      feder::compare(turned ? "bumpy tori, turned" : "bumpy tori, displaced", around, across, turned,
+                     repetitions);
+}
