@@ -10,10 +10,10 @@ namespace feder {
 
 /// One point of contact, or of near contact, between two solids a and b.
 struct ContactPoint {
-  Vector3d point;              ///< in the world, midway between the two surfaces [m]
-  Vector3d normal;             ///< unit, from a to b
-  double gap = 0.0;            ///< distance of the surfaces along the normal; < 0: penetration depth [m]
-  std::uint32_t feature = 0;   ///< which features touch; unique in a manifold, the same under small motion
+  Vector3d point;             ///< in the world, midway between the two surfaces [m]
+  Vector3d normal;            ///< unit, from a to b
+  double gap = 0.0;           ///< distance of the surfaces along the normal; < 0: penetration depth [m]
+  std::uint32_t feature = 0;  ///< which features touch; unique in a manifold, the same under small motion
 };
 
 /// Appends the contact points of a and b whose gap is at most `margin` [m], in the order of their features.
