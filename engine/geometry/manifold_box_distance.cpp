@@ -36,7 +36,8 @@ std::uint32_t vertex_pair(const Vector3d& on_a, const Vector3d& on_b, bool of_a,
 
 template <class Visit>
 void visit_vertices(const Vector3d& half, bool segment, Visit&& visit) {
-  for (int k = 0; k < 8; k += segment ? 4 : 1)
+  const int count = segment && half.z() == 0.0 ? 1 : 8;
+  for (int k = 0; k < count; k += segment ? 4 : 1)
     visit(Vector3d(k & 1 ? half.x() : -half.x(), k & 2 ? half.y() : -half.y(), k & 4 ? half.z() : -half.z()));
 }
 

@@ -80,7 +80,7 @@ class Clip {
   };
 
   void project_b() {
-    corners_ = pair_.segment() ? 2 : 4;
+    corners_ = !pair_.segment() ? 4 : pair_.half_b.z() > 0.0 ? 2 : 1;
     for (int k = 0; k < corners_; ++k) {
       Projected& x = projected_[k];
       x.corner = pair_.segment() ? Vector3d(0, 0, k ? pair_.half_b.z() : -pair_.half_b.z())
@@ -239,7 +239,7 @@ void find_box_contacts(const BoxPair& pair, double limit, BoxContacts& out) {
     Clip(pair, axis.normal, tolerance).run(out);
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < out.count; ++k) least = std::min(least, out.points[k].gap);
-    if (least <= axis.separation + 10.0 * tolerance) return;
+    if (least <= axis.separation + 10.0 * tolerance || (axis.separation <= 0.0 && out.count > 0)) return;
     out.count = 0;
   }
   find_closest_box_points(pair, limit, axis.normal, axis.separation, out);

@@ -51,4 +51,12 @@ void add_contacts(const SphereShape&, const Pose&, const HalfSpaceShape&, const 
 void add_contacts(const BoxShape&, const Pose&, const HalfSpaceShape&, const Pose&, ContactSink&);
 void add_contacts(const CapsuleShape&, const Pose&, const HalfSpaceShape&, const Pose&, ContactSink&);
 
+// manifold_mesh.cpp
+void add_contacts(const HalfSpaceShape&, const Pose&, const MeshShape&, const Pose&, ContactSink&);
+void add_contacts(const SphereShape&, const Pose&, const MeshShape&, const Pose&, ContactSink&);
+void add_contacts(const CapsuleShape&, const Pose&, const MeshShape&, const Pose&, ContactSink&);
+// manifold_polyhedra.cpp
+void add_contacts(const BoxShape&, const Pose&, const MeshShape&, const Pose&, ContactSink&);
+void add_contacts(const MeshShape&, const Pose&, const MeshShape&, const Pose&, ContactSink&);
+
 }  // namespace feder
