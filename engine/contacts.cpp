@@ -10,7 +10,6 @@
 #include <limits>
 
 #include "engine/body.h"
-#include "engine/geometry/broad_phase.h"
 #include "engine/geometry/shape_bounds.h"
 #include "engine/system.h"
 
@@ -82,7 +81,7 @@ bool ContactFinder::may_touch(int i, int j) const {
 // Pairs of colliders whose boxes, grown by what they may move in dt and half of `margin`, overlap.
 void ContactFinder::candidates(const State& state, double dt, double margin) {
   const System& s = system_;
-  std::vector<Aabb> boxes(s.colliders.size());
+  boxes_.resize(s.colliders.size());
   for (std::size_t i = 0; i < s.colliders.size(); ++i) {
     const Collider& c = s.colliders[i];
     poses_[i] = c.pose(state.q.data());
@@ -93,11 +92,12 @@ void ContactFinder::candidates(const State& state, double dt, double margin) {
     if (c.place.spin >= 0)
       moved += dt * state.v.segment<3>(3 * c.place.spin).norm() * (c.place.point.norm() + reach);
     margins_[i] = 0.5 * margin + kReserve * moved + (std::isfinite(reach) ? kTouching * reach : 0.0);
-    boxes[i] = bounds(c.shape, poses_[i]);
-    boxes[i].min.array() -= margins_[i];
-    boxes[i].max.array() += margins_[i];
+    boxes_[i] = bounds(c.shape, poses_[i]);
+    boxes_[i].min.array() -= margins_[i];
+    boxes_[i].max.array() += margins_[i];
   }
-  overlapping_pairs(boxes, pairs_);
+  broad_phase_.update(boxes_);
+  broad_phase_.find_pairs(pairs_);
   std::erase_if(pairs_, [&](const std::pair<int, int>& pair) { return !may_touch(pair.first, pair.second); });
 }
 

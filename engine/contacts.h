@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/collider.h"
+#include "engine/geometry/broad_phase.h"
 #include "engine/geometry/manifold.h"
 
 namespace feder {
@@ -64,6 +65,8 @@ class ContactFinder {
 
   const System& system_;
   std::vector<std::pair<int, int>> joined_;  // bodies that a row joins: they pass through each other
+  BroadPhase broad_phase_;
+  std::vector<Aabb> boxes_;
   std::vector<Pose> poses_;
   std::vector<double> margins_;
   std::vector<std::pair<int, int>> pairs_;
