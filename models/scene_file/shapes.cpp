@@ -127,7 +127,7 @@ std::optional<Shape> ShapeReader::read_mesh_shape(const std::string& label, cons
     if (keys.scale.given)
       for (Vector3d& vertex : mesh.vertices) vertex *= keys.scale.value;
     const double density = keys.density.given ? keys.density.value : 1.0;
-    MassProperties properties = solid_mesh(label, density, mesh.vertices, mesh.triangles);
+    MassProperties properties = solid_mesh(label, density, mesh);
     if (keys.mass.given) {
       properties.inertia *= keys.mass.value / properties.mass;
       properties.mass = keys.mass.value;
