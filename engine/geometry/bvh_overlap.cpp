@@ -1,12 +1,23 @@
 // Pairs of triangles that meet: leaves of the pair traversal, each tested in the frame of the first mesh.
 #include <algorithm>
 
+#include "engine/geometry/aabb.h"
 #include "engine/geometry/bvh_queries.h"
 #include "engine/geometry/bvh_traversal.h"
 #include "engine/geometry/triangle_overlap.h"
 
 namespace feder {
 namespace {
+
+Aabb inflated(const Aabb& box, double by) {
+  return {box.min.array() - by, box.max.array() + by};
+}
+
+// Boxes of the few triangles of a leaf, so that most pairs are parted by six comparisons.
+struct LeafTriangles {
+  std::array<Triangle, kBvhLeaf> corners;
+  std::array<Aabb, kBvhLeaf> boxes;
+};
 
 // Calls found(i, j) for the pairs of triangles that meet, until it says true.
 template <class Volume, class Found>
@@ -16,15 +27,23 @@ void visit_overlaps(const Bvh<Volume>& a, const Pose& pose_a, const Bvh<Volume>&
   const Relative frame =
       relative(pose_a, pose_b, reach_of(a.nodes()[0].volume) + reach_of(b.nodes()[0].volume));
   const auto apart_in_frame = [&frame](const Volume& x, const Volume& y) { return apart(x, y, frame); };
-  visit_leaf_pairs(a.nodes(), 0, b.nodes(), 0, apart_in_frame,
-                   [&](const BvhNode<Volume>& x, const BvhNode<Volume>& y) {
-                     for (int j = y.first; j < y.first + y.count; ++j) {
-                       const Corners other = frame(b.corners(j));
-                       for (int i = x.first; i < x.first + x.count; ++i)
-                         if (overlap(a.corners(i), other) && found(a.triangle(i), b.triangle(j))) return true;
-                     }
-                     return false;
-                   });
+  const auto test = [&](const BvhNode<Volume>& x, const BvhNode<Volume>& y) {
+    LeafTriangles left;
+    for (int i = 0; i < x.count; ++i) {
+      left.corners[i] = a.corners(x.first + i);
+      left.boxes[i] = inflated(fit_aabb(left.corners[i]), frame.slack);
+    }
+    for (int j = y.first; j < y.first + y.count; ++j) {
+      const Triangle other = frame(b.corners(j));
+      const Aabb box = fit_aabb(other);
+      for (int i = 0; i < x.count; ++i)
+        if (overlap(left.boxes[i], box) && overlap(left.corners[i], other) &&
+            found(a.triangle(x.first + i), b.triangle(j)))
+          return true;
+    }
+    return false;
+  };
+  visit_leaf_pairs(a.nodes(), 0, b.nodes(), 0, apart_in_frame, test);
 }
 
 bool share_a_vertex(const std::array<int, 3>& s, const std::array<int, 3>& t) {

@@ -5,19 +5,17 @@
 
 #include "engine/geometry/bounding_volumes.h"
 #include "engine/geometry/shape.h"
-#include "engine/geometry/triangle_distance.h"
+#include "engine/geometry/triangle_overlap.h"
 
 namespace feder {
 
 // What the queries of a hierarchy ask of a volume. `slack` [m] covers the rounding of the poses: volumes that
 // are closer than it count as touching.
 
-/// The volume of `count` >= 1 triangles.
-void fit_volume(const Corners* triangles, int count, Sphere& out);
-void fit_volume(const Corners* triangles, int count, Aabb& out);
-void fit_volume(const Corners* triangles, int count, Obb& out);
-
-Aabb merged(const Aabb& a, const Aabb& b);
+/// The volume of `count` >= 1 triangles of a mesh from `first` on.
+void fit_volume(const TriangleMesh& mesh, int first, int count, Sphere& out);
+void fit_volume(const TriangleMesh& mesh, int first, int count, Aabb& out);
+void fit_volume(const TriangleMesh& mesh, int first, int count, Obb& out);
 
 /// Squared distance of a point from the volume, at most [m^2]; 0 inside.
 inline double distance_squared(const Aabb& box, const Vector3d& p) {
@@ -50,7 +48,7 @@ struct Relative {
   double slack;             ///< [m]
 
   Vector3d operator()(const Vector3d& x) const { return rotation * x + position; }
-  Corners operator()(const Corners& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
+  Triangle operator()(const Triangle& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
 };
 /// reach: largest distance of a point of either mesh from its origin [m].
 Relative relative(const Pose& a, const Pose& b, double reach);

@@ -11,7 +11,7 @@
 namespace feder {
 namespace {
 
-TrianglePoint closest_of_edges(const Corners& triangle, const Vector3d& p) {
+TrianglePoint closest_of_edges(const Triangle& triangle, const Vector3d& p) {
   TrianglePoint best{{}, std::numeric_limits<double>::infinity(), Feature::kVertex, 0};
   for (int k = 0; k < 3; ++k) {
     const Vector3d &from = triangle[k], edge = triangle[(k + 1) % 3] - from;
@@ -34,7 +34,7 @@ void keep_nearer(ClosestPair& best, const ClosestPair& other) {
 
 }  // namespace
 
-TrianglePoint closest_point(const Corners& triangle, const Vector3d& p) {
+TrianglePoint closest_point(const Triangle& triangle, const Vector3d& p) {
   const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], ap = p - triangle[0];
   const Vector3d normal = ab.cross(ac);
   // barycentric coordinates of the foot of p on the plane, times the squared normal
@@ -66,7 +66,7 @@ ClosestPair closest_points(const std::array<Vector3d, 2>& p, const std::array<Ve
   return {x, y, (x - y).squaredNorm()};
 }
 
-std::optional<double> ray_hit(const Corners& triangle, const Vector3d& origin, const Vector3d& direction,
+std::optional<double> ray_hit(const Triangle& triangle, const Vector3d& origin, const Vector3d& direction,
                               double limit) {
   const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], to = origin - triangle[0];
   const Vector3d across = direction.cross(ac);
@@ -79,7 +79,7 @@ std::optional<double> ray_hit(const Corners& triangle, const Vector3d& origin, c
   return t;
 }
 
-ClosestPair closest_points(const Corners& a, const Corners& b) {
+ClosestPair closest_points(const Triangle& a, const Triangle& b) {
   ClosestPair best{{}, {}, std::numeric_limits<double>::infinity()};
   for (int i = 0; i < 3; ++i) {
     const std::array<Vector3d, 2> edge_a{a[i], a[(i + 1) % 3]}, edge_b{b[i], b[(i + 1) % 3]};
