@@ -4,6 +4,7 @@
 // FCL would do so in every query) and OBBRSS, each with its three ways to split.
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
+#include <malloc.h>
 #include <time.h>
 
 #include <Eigen/Geometry>
@@ -105,8 +106,7 @@ Rival fcl_rival(const std::string& name, const FclData& a, const FclData& b, con
     std::shared_ptr<fcl::BVHModel<Volume>> a, b;
   };
   const auto models = std::make_shared<Models>();
-  return {name,
-          [=] { *models = {}; },
+  return {name, [=] { *models = {}; },
           [=, &a, &b] {
             *models = {fcl_model<Volume>(a, split), fcl_model<Volume>(b, split)};
           },
@@ -124,8 +124,7 @@ Rival our_rival(const std::string& name, const TriangleMesh& a, const TriangleMe
     Bvh<Volume> a, b;
   };
   const auto models = std::make_shared<Models>();
-  return {name,
-          [=] { *models = {}; },
+  return {name, [=] { *models = {}; },
           [=, &a, &b] {
             *models = {Bvh<Volume>(a), Bvh<Volume>(b)};
           },
@@ -188,6 +187,9 @@ void compare(const char* what, int around, int across, bool turned, int repetiti
 }  // namespace feder
 
 int main(int argc, char** argv) {
+  // freed memory stays with the process: no rival pays for pages another has used before
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 2147483647);
   const int repetitions = argc > 1 ? std::atoi(argv[1]) : 9, largest = argc > 2 ? std::atoi(argv[2]) : 3;
   const int sizes[3][2] = {{100, 50}, {316, 158}, {1000, 500}};
   for (const auto& [around, across] : std::span(sizes).first(static_cast<std::size_t>(largest)))
