@@ -6,10 +6,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace feder {
 namespace {
+
+// A determinant below this share of the lengths of its columns is rounding: ray in the plane, or no area.
+constexpr double kFlat = 64.0 * std::numeric_limits<double>::epsilon();
+constexpr double kTouch = 1e-24;  // (1e-12)^2, the band of the overlap test
 
 TrianglePoint closest_of_edges(const Triangle& triangle, const Vector3d& p) {
   TrianglePoint best{{}, std::numeric_limits<double>::infinity(), Feature::kVertex, 0};
@@ -71,7 +76,7 @@ std::optional<double> ray_hit(const Triangle& triangle, const Vector3d& origin, 
   const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], to = origin - triangle[0];
   const Vector3d across = direction.cross(ac);
   const double determinant = ab.dot(across);
-  if (determinant == 0.0) return std::nullopt;
+  if (!(std::abs(determinant) > kFlat * ab.norm() * across.norm())) return std::nullopt;
   const Vector3d along = to.cross(ab);
   const double u = to.dot(across) / determinant, v = direction.dot(along) / determinant;
   const double t = ac.dot(along) / determinant;
@@ -89,13 +94,19 @@ ClosestPair closest_points(const Triangle& a, const Triangle& b) {
     keep_nearer(best, {on_a.point, b[i], on_a.distance_squared});
     if (const auto t = ray_hit(b, edge_a[0], edge_a[1] - edge_a[0], 1.0)) {
       const Vector3d x = edge_a[0] + *t * (edge_a[1] - edge_a[0]);
-      return {x, x, 0.0};
+      const TrianglePoint foot = closest_point(b, x);
+      keep_nearer(best, {x, foot.point, foot.distance_squared});
     }
     if (const auto t = ray_hit(a, edge_b[0], edge_b[1] - edge_b[0], 1.0)) {
       const Vector3d x = edge_b[0] + *t * (edge_b[1] - edge_b[0]);
-      return {x, x, 0.0};
+      const TrianglePoint foot = closest_point(a, x);
+      keep_nearer(best, {foot.point, x, foot.distance_squared});
     }
   }
+  // what is only rounding away from meeting meets if the overlap test says so
+  const double size = (a[1] - a[0]).squaredNorm() + (a[2] - a[0]).squaredNorm() +
+                      (b[1] - b[0]).squaredNorm() + (b[2] - b[0]).squaredNorm();
+  if (best.distance_squared <= kTouch * size && overlap(a, b)) best.distance_squared = 0.0;
   return best;
 }
 

@@ -36,8 +36,8 @@ ClosestPair closest_points(const Triangle& a, const Triangle& b);
 /// The nearest points of the segments from p[0] to p[1] and from q[0] to q[1] [m].
 ClosestPair closest_points(const std::array<Vector3d, 2>& p, const std::array<Vector3d, 2>& q);
 
-/// Smallest t in [0, limit] with origin + t direction on the triangle, both sides count. Rays in the plane of
-/// the triangle miss it.
+/// Smallest t in [0, limit] with origin + t direction on the triangle, both sides count. Rays in its plane
+/// (to rounding) miss it, all rays miss a triangle without area.
 std::optional<double> ray_hit(const Triangle& triangle, const Vector3d& origin, const Vector3d& direction,
                               double limit);
 
