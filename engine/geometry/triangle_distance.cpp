@@ -14,6 +14,8 @@ namespace {
 
 // A determinant below this share of the lengths of its columns is rounding: ray in the plane, or no area.
 constexpr double kFlat = 64.0 * std::numeric_limits<double>::epsilon();
+// Squared sine of an angle below which the foot in the face may be worse than one on an edge.
+constexpr double kNeedle = 1e-8;
 constexpr double kTouch = 1e-24;  // (1e-12)^2, the band of the overlap test
 
 TrianglePoint closest_of_edges(const Triangle& triangle, const Vector3d& p) {
@@ -47,7 +49,10 @@ TrianglePoint closest_point(const Triangle& triangle, const Vector3d& p) {
   const double v = normal.dot(ap.cross(ac)), w = normal.dot(ab.cross(ap));
   if (!(square > 0.0) || v <= 0.0 || w <= 0.0 || v + w >= square) return closest_of_edges(triangle, p);
   const Vector3d point = triangle[0] + (v / square) * ab + (w / square) * ac;
-  return {point, (p - point).squaredNorm(), Feature::kFace, 0};
+  const TrianglePoint face{point, (p - point).squaredNorm(), Feature::kFace, 0};
+  if (square > kNeedle * ab.squaredNorm() * ac.squaredNorm()) return face;
+  const TrianglePoint edge = closest_of_edges(triangle, p);
+  return edge.distance_squared <= face.distance_squared ? edge : face;
 }
 
 ClosestPair closest_points(const std::array<Vector3d, 2>& p, const std::array<Vector3d, 2>& q) {
