@@ -107,5 +107,76 @@ TEST(ManifoldCampaign, EveryPairOfConvexShapesGivesAManifoldThatHolds) {
   RecordProperty("worst", std::to_string(worst));
 }
 
+TEST(ManifoldCampaign, BoxesAsMeshesAreAsFarApartAsTheBoxes) {
+  const int cases = campaign_cases(100000);
+  double worst = 0.0;
+  int apart = 0;
+  for (int k = 0; k < cases; ++k) {
+    SCOPED_TRACE(testing::Message() << "seed " << k);
+    Random random(static_cast<std::uint64_t>(k));
+    const bool degenerate = k % 2 == 0;
+    Vector3d half = positive(random);
+    if (degenerate)
+      for (double& h : half) h = std::max(0.25, grid(random));
+    const Shape a = random_shape(random, degenerate), b = BoxShape{half}, mesh = MeshShape{box_surface(half)};
+    const Pose at = degenerate && random.below(2) ? Pose{} : random_pose(random, 1.0);
+    Pose to = degenerate ? degenerate_pose(at, random) : random_pose(random, 1.5);
+    if (!degenerate) to.position += at.position;
+    const auto points = contacts(a, at, mesh, to), swapped = contacts(mesh, to, a, at);
+    ASSERT_EQ(points.size(), swapped.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      ASSERT_TRUE(points[i].point.allFinite() && std::isfinite(points[i].gap));
+      ASSERT_NEAR(points[i].normal.norm(), 1.0, 1e-14);
+      ASSERT_EQ(swapped[i].point, points[i].point);
+      ASSERT_EQ(swapped[i].normal, -points[i].normal);
+      if (i > 0) ASSERT_LT(points[i - 1].feature, points[i].feature);
+    }
+    const double gap = deepest(contacts(a, at, b, to)).gap;
+    const bool exact = gap > 0.0 || std::holds_alternative<SphereShape>(a) || !bounded(a);
+    if (!exact) continue;
+    ++apart;
+    ASSERT_FALSE(points.empty());
+    worst = std::max(worst, std::abs(deepest(points).gap - gap));
+    ASSERT_NEAR(deepest(points).gap, gap, 1e-10);
+  }
+  RecordProperty("apart", apart);
+  RecordProperty("worst", std::to_string(1e12 * worst));
+}
+
+TEST(ManifoldCampaign, TorusPairsAreFiniteAndSymmetric) {
+  const int cases = campaign_cases(200000);
+  double worst = 0.0;
+  for (int k = 0; k < cases; ++k) {
+    SCOPED_TRACE(testing::Message() << "seed " << k);
+    Random random(static_cast<std::uint64_t>(k));
+    const bool degenerate = k % 2 == 0;
+    Shape a = k % 4 < 2 ? Shape(SphereShape{degenerate ? grid(random) : random.uniform(0.0, 1.0)})
+                        : Shape(HalfSpaceShape{});
+    const TorusShape torus{degenerate ? 0.5 : random.uniform(0.5, 1.0),
+                           degenerate ? 0.25 : random.uniform(0.1, 0.45)};
+    const Pose at = degenerate && random.below(2) ? Pose{} : random_pose(random, 1.0);
+    const Pose to = degenerate ? degenerate_pose(at, random) : random_pose(random, 1.0);
+    const auto points = contacts(a, at, torus, to), swapped = contacts(torus, to, a, at);
+    ASSERT_FALSE(points.empty());
+    ASSERT_EQ(points.size(), swapped.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      ASSERT_TRUE(points[i].point.allFinite() && std::isfinite(points[i].gap));
+      ASSERT_NEAR(points[i].normal.norm(), 1.0, 1e-14);
+      ASSERT_EQ(swapped[i].point, points[i].point);
+      ASSERT_EQ(swapped[i].normal, -points[i].normal);
+    }
+    // moved out along the normal of its deepest point the torus touches
+    Pose out = to;
+    const ContactPoint point = deepest(points);
+    out.position -= point.gap * point.normal;
+    if (std::holds_alternative<SphereShape>(a) && point.gap < 0.0)
+      continue;  // not convex: another part comes
+    const double gap = deepest(contacts(a, at, torus, out)).gap;
+    worst = std::max(worst, std::abs(gap));
+    ASSERT_NEAR(gap, 0.0, 1e-9);
+  }
+  RecordProperty("worst", std::to_string(1e12 * worst));
+}
+
 }  // namespace
 }  // namespace feder::test

@@ -137,5 +137,44 @@ TEST(FindContacts, SmallMotionKeepsFeaturesAndMovesPointsLittle) {
   EXPECT_LT(far, compared / 500);      // edges that are that nearly parallel
 }
 
+// Lying flat or along a line is where a manifold has most to lose: the points it had stay.
+TEST(FindContacts, SmallMotionOfWhatLiesFlatKeepsItsPoints) {
+  Random random(5);
+  const Matrix3d lying = Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitY()).toRotationMatrix();
+  const Shape box = BoxShape{Vector3d(0.6, 0.5, 0.25)}, capsule = CapsuleShape{0.25, 0.4};
+  const Shape mesh = MeshShape{box_surface({0.6, 0.5, 0.25})}, torus = TorusShape{0.5, 0.25};
+  const Pose on_top{Matrix3d::Identity(), {0.05, 0.1, 0.5}}, along{lying, {0.05, 0.1, 0.5}},
+      turned{Eigen::AngleAxisd(0.3, Vector3d::UnitZ()).toRotationMatrix(), {0.05, 0.1, 0.5}};
+  const Pose floor{Matrix3d::Identity(), {0, 0, 0.25}};
+  struct Case {
+    Shape a, b;
+    Pose to;
+    std::size_t points;
+  };
+  const Case cases[] = {{box, capsule, along, 2},
+                        {mesh, capsule, along, 2},
+                        {HalfSpaceShape{}, torus, floor, 4},
+                        {capsule, capsule, Pose{Matrix3d::Identity(), {0.3, 0.4, 0.2}}, 2},
+                        {box, mesh, on_top, 4},
+                        {mesh, mesh, turned, 6},
+                        {box, box, turned, 6}};
+  for (const Case& c : cases)
+    for (int trial = 0; trial < 200; ++trial) {
+      SCOPED_TRACE(testing::Message() << c.a.index() << " " << c.b.index() << " " << trial);
+      const Pose at = random_pose(random, 1.0), to = moved(c.to, at.rotation, at.position);
+      const auto before = contacts(c.a, at, c.b, to, 1e-3);
+      const auto after = contacts(c.a, at, c.b, nudged(to, 1e-6, random), 1e-3);
+      ASSERT_GE(before.size(), c.points);
+      for (const ContactPoint& point : before) {
+        const auto same = std::find_if(after.begin(), after.end(), [&](const ContactPoint& other) {
+          return other.feature == point.feature;
+        });
+        ASSERT_NE(same, after.end());
+        EXPECT_LT((same->point - point.point).norm(), 2e-5);
+        EXPECT_NEAR(same->gap, point.gap, 1e-5);
+      }
+    }
+}
+
 }  // namespace
 }  // namespace feder::test
