@@ -168,7 +168,10 @@ class AxisContacts {
     std::vector<Vector3d> neighbours;
     for (std::size_t k = first; k < last; ++k)
       neighbours.push_back(mesh_.mesh().vertices[neighbours_[k].second]);
-    try_point(x, centre_ + s * axis_, mesh_.vertex_normals()[v], neighbours, kVertexCone,
+    const Vector3d apart = centre_ + s * axis_ - x, &normal = mesh_.vertex_normals()[v];
+    const bool meet = apart.norm() <= kRounding * coordinates(mesh_);
+    const Vector3d across = meet ? Vector3d(normal - axis_.dot(normal) * axis_) : apart;
+    try_point(x, centre_ + s * axis_, direction_or(across, normal), normal, neighbours, kVertexCone,
               surface_feature(Feature::kVertex, v));
   }
 
@@ -187,21 +190,20 @@ class AxisContacts {
     for (int triangle : {edge.left, edge.right})
       for (int v : mesh_.mesh().triangles[triangle])
         if (v != edge.a && v != edge.b) neighbours.push_back(mesh_.mesh().vertices[v]);
-    try_point(from + t * along, centre_ + s * axis_, mesh_.edge_normals()[e], neighbours, kEdgeCone,
-              surface_feature(Feature::kEdge, e));
+    try_point(from + t * along, centre_ + s * axis_, along.cross(axis_).normalized(), mesh_.edge_normals()[e],
+              neighbours, kEdgeCone, surface_feature(Feature::kEdge, e));
   }
 
-  void try_point(const Vector3d& x, const Vector3d& on_axis, const Vector3d& normal,
+  // `across`: unit, along the line between the two points, either way.
+  void try_point(const Vector3d& x, const Vector3d& on_axis, const Vector3d& across, const Vector3d& normal,
                  const std::vector<Vector3d>& neighbours, double cone, std::uint32_t feature) {
-    const Vector3d apart = on_axis - x;
-    const double distance = apart.norm();
-    const bool inside = apart.dot(normal) < 0.0;
-    const Vector3d outward = direction_or(inside ? Vector3d(-apart) : apart, normal);
-    if ((inside ? -distance : distance) > reach_) return;
+    const Vector3d outward = across.dot(normal) < 0.0 ? Vector3d(-across) : across;
+    const double distance = outward.dot(on_axis - x);
+    if (distance > reach_) return;
     for (const Vector3d& o : neighbours)
       if (outward.dot(o - x) > cone * (o - x).norm()) return;
-    if (inside && !enters(on_axis, 0.1 * distance)) return;
-    out_.push_back({x, outward, inside ? -distance : distance, feature});
+    if (distance < -kRounding * coordinates(mesh_) && !enters(on_axis, -0.1 * distance)) return;
+    out_.push_back({x, outward, distance, feature});
   }
 
   // Whether the axis is in the solid around a point of it: not out again on its other side, nor along a face.
