@@ -93,27 +93,32 @@ class PolyhedraContacts {
     const double gap = u.dot(w);
     if (gap > margin_) return;
     const Vector3d on_a = p.from + s * p.along, on_b = q.from + t * q.along;
-    if (gap < 0.0 && (explained(edge_a, edge_b, u, gap) || outside(b_, on_a, gap) || outside(a_, on_b, gap)))
-      return;
+    if (gap < 0.0) {
+      // overlapping edges are near each other inside both solids
+      if (outside(b_, on_a, -gap) || outside(a_, on_b, -gap)) return;
+      if (explained(edge_a, edge_b, u, on_a)) return;
+    }
     const std::uint64_t pair =
         static_cast<std::uint64_t>(edge_a) * b_.mesh().edges().size() + static_cast<std::uint64_t>(edge_b);
     sink.add(on_a, u, gap, 2u << 30 | static_cast<std::uint32_t>(pair % kPairs));
   }
 
-  // Overlapping edges are near each other inside both solids.
-  bool outside(const MeshSolid& solid, const Vector3d& x, double gap) const {
-    const std::optional<SolidPoint> there = solid.nearest(x, Vector3d::Zero(), -gap + rounding_);
+  bool outside(const MeshSolid& solid, const Vector3d& x, double depth) const {
+    const std::optional<SolidPoint> there = solid.nearest(x, Vector3d::Zero(), depth + rounding_);
     return !there || there->distance > rounding_;
   }
 
-  // An end of one of the edges touches in another direction and is less deep.
-  bool explained(int edge_a, int edge_b, const Vector3d& u, double gap) const {
+  // An end of one of the edges touches in another direction, and parted along it the edges are clear too.
+  bool explained(int edge_a, int edge_b, const Vector3d& u, const Vector3d& on_a) const {
     const auto explains = [&](const std::vector<VertexContact>& contacts, int v) {
       const auto found =
           std::lower_bound(contacts.begin(), contacts.end(), v,
                            [](const VertexContact& c, int vertex) { return c.vertex < vertex; });
-      return found != contacts.end() && found->vertex == v && found->normal.dot(u) < kSameDirection &&
-             gap < found->gap;
+      if (found == contacts.end() || found->vertex != v || found->gap > rounding_) return false;
+      if (found->normal.dot(u) > kSameDirection) return false;
+      const std::optional<SolidPoint> there =
+          b_.nearest(on_a + found->gap * found->normal, Vector3d::Zero(), rounding_ - found->gap);
+      return !there || there->distance > -rounding_;
     };
     const MeshEdge &p = a_.mesh().edges()[edge_a], &q = b_.mesh().edges()[edge_b];
     return explains(vertices_a_, p.a) || explains(vertices_a_, p.b) || explains(vertices_b_, q.a) ||

@@ -10,6 +10,7 @@ namespace feder {
 namespace {
 
 constexpr double kCorner = 1e-4;  // of the size: as close as that to an edge every face there is as near
+constexpr double kBeyond = 0.02;  // of the size: how much further than the nearest another face may be
 constexpr double kConvex = 1e-6;  // sine of the dihedral angle from which an edge can touch
 constexpr double kRounding = 1e-12;
 
@@ -83,23 +84,37 @@ std::optional<SolidPoint> MeshSolid::nearest(const Vector3d& x, const Vector3d& 
   Vector3d on_surface;
   SolidPoint out = box_ ? nearest_of_box(p, on_surface) : nearest_of_mesh(p, on_surface);
   if (out.distance > margin) return std::nullopt;
-  // near an edge: the face against the other solid
-  const double corner = kCorner * size_;
-  if (!way.isZero(0.0) && std::abs(out.distance) <= corner) {
-    double least = out.outward.dot(way);
-    visit_triangles({on_surface.array() - corner, on_surface.array() + corner}, [&](int t) {
-      const Vector3d& normal = mesh_.face_normals()[t];
-      if (!(normal.dot(way) < least - kRounding)) return;
-      const auto& [a, b, c] = mesh_.mesh().triangles[t];
-      if (closest_point({local(a), local(b), local(c)}, on_surface).distance_squared > corner * corner)
-        return;
-      least = normal.dot(way);
-      out = {normal, normal.dot(p - local(a))};
-    });
-  }
+  if (!way.isZero(0.0)) face_other(p, way, on_surface, out);
   if (out.distance > margin || (out.distance > 0.0 && out.outward.dot(way) > 0.0)) return std::nullopt;
   out.outward = turned(out.outward);
   return out;
+}
+
+// Near an edge the nearest face may be one that the other solid does not come from. Of the faces as near as
+// it: the one most against `way`. Inside, where none is: of those not much further the nearest that is.
+void MeshSolid::face_other(const Vector3d& p, const Vector3d& way, const Vector3d& on_surface,
+                           SolidPoint& out) const {
+  const auto visit_near = [&](const Vector3d& x, double reach, auto&& visit) {
+    visit_triangles({x.array() - reach, x.array() + reach}, [&](int t) {
+      const auto& [a, b, c] = mesh_.mesh().triangles[t];
+      const double away = std::sqrt(closest_point({local(a), local(b), local(c)}, x).distance_squared);
+      if (away <= reach) visit(mesh_.face_normals()[t], away, mesh_.face_normals()[t].dot(p - local(a)));
+    });
+  };
+  double facing = out.outward.dot(way);
+  if (std::abs(out.distance) <= kCorner * size_)
+    visit_near(on_surface, kCorner * size_, [&](const Vector3d& normal, double, double distance) {
+      if (!(normal.dot(way) < facing - kRounding)) return;
+      facing = normal.dot(way);
+      out = {normal, distance};
+    });
+  if (facing < 0.0 || out.distance > 0.0) return;
+  double least = std::numeric_limits<double>::infinity();
+  visit_near(p, kBeyond * size_ - out.distance, [&](const Vector3d& normal, double away, double distance) {
+    if (!(normal.dot(way) < 0.0 && away < least)) return;
+    least = away;
+    out = {normal, distance};
+  });
 }
 
 SolidPoint MeshSolid::nearest_of_mesh(const Vector3d& p, Vector3d& on_surface) const {

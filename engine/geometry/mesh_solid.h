@@ -55,6 +55,7 @@ class MeshSolid {
  private:
   Vector3d local(int v) const { return mesh_.mesh().vertices[v].cwiseProduct(stretch_); }
   Vector3d into(const Vector3d& x) const { return pose_.rotation.transpose() * (x - pose_.position); }
+  void face_other(const Vector3d& p, const Vector3d& way, const Vector3d& on_surface, SolidPoint& out) const;
   // The surface nearest to p, in axes of this solid.
   SolidPoint nearest_of_mesh(const Vector3d& p, Vector3d& on_surface) const;
   SolidPoint nearest_of_box(const Vector3d& p, Vector3d& on_surface) const;
