@@ -156,7 +156,7 @@ TEST(ImpactPathCampaign, TurningSlipMatchesRungeKutta) {
   std::printf("%d cases, largest difference of velocity %.1e\n", compared, worst);
 }
 
-// Richardson: smoothing and half of it, the difference being of first order.
+// Richardson from a smoothing and half of it, less of it where the slip is close to the edge of the cone.
 TEST(ImpactPathCampaign, StopsAndNewSlipsMatchSmoothFriction) {
   Random random(4);
   std::array<int, 4> slips{};
@@ -173,18 +173,20 @@ TEST(ImpactPathCampaign, StopsAndNewSlipsMatchSmoothFriction) {
     const bool rare = impact.slip == Slip::kResumed;
     if (impact.slip == Slip::kThroughout || (!rare && i % 8 != 0)) continue;
     ++slips[static_cast<int>(impact.slip)];
-    const double smoothing = 5e-4, p = impact.impulse[0];
-    const int steps = 200 + static_cast<int>(p * mu * W.trace() / smoothing);
-    const Path coarse = follow(W, u, mu, p, steps, smoothing),
-               fine = follow(W, u, mu, p, 2 * steps, 0.5 * smoothing);
-    const double difference = (2.0 * fine.u - coarse.u - impact.velocity).norm();
-    const double gained = 2.0 * fine.restitution - coarse.restitution,
-                 lost = 2.0 * fine.compression - coarse.compression;
+    const double p = impact.impulse[0];
+    double difference = 1.0, work = 1.0;
+    for (double smoothing = 1e-3; std::max(difference, work) > 2e-4 && smoothing > 1e-5; smoothing *= 0.25) {
+      const int steps = 200 + static_cast<int>(p * mu * W.trace() / smoothing);
+      const Path coarse = follow(W, u, mu, p, steps, smoothing),
+                 fine = follow(W, u, mu, p, 2 * steps, 0.5 * smoothing);
+      difference = (2.0 * fine.u - coarse.u - impact.velocity).norm();
+      const double lost = 2.0 * fine.compression - coarse.compression;
+      work = std::abs(2.0 * fine.restitution - coarse.restitution + e * e * lost) / -lost;
+    }
     worst = std::max(worst, difference);
-    worst_work = std::max(worst_work, std::abs(gained + e * e * lost) / -lost);
-    EXPECT_LT(difference, 1e-3) << "case " << i;
-    EXPECT_LT(difference, 0.5 * (coarse.u - impact.velocity).norm() + 2e-5) << "case " << i;
-    EXPECT_NEAR(gained, -e * e * lost, -2e-3 * lost) << "case " << i;
+    worst_work = std::max(worst_work, work);
+    EXPECT_LT(difference, 2e-4) << "case " << i;
+    EXPECT_LT(work, 2e-4) << "case " << i;
   }
   EXPECT_GT(slips[static_cast<int>(Slip::kResumed)], 0);
   std::printf("stuck %d, set off again %d, largest difference of velocity %.1e, of work %.1e\n", slips[2],
