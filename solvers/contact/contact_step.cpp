@@ -14,9 +14,7 @@ namespace {
 
 // Penetration that is left alone: rounding of places the size of a shape.
 constexpr double kSlop = 1e-12;
-// Of particles on obstacles: violation of the law accepted, relative to the fastest velocity; passes to reach
-// it.
-constexpr double kHeldTolerance = 1e-6;
+// Of particles on obstacles: passes over one step; a pass that gains less than this asks for a new factor.
 constexpr int kMostPasses = 100;
 constexpr double kContraction = 0.5;
 
@@ -118,8 +116,11 @@ Status ContactStep::solve(double dt, const State& state, const History& history,
     held_.put_into(kkt, rows_);
     held_.add_right_hand_side(rows_, kkt.p);
   }
-  if (Status status = solver.factor(kkt); !status.ok()) return status;
-  report = solver.solve(kkt, v, y);
+  {
+    const Stopwatch watch(counts_.seconds_own);
+    if (Status status = solver.factor(kkt); !status.ok()) return status;
+    report = solver.solve(kkt, v, y);
+  }
   if (!report.status.ok() || k == 0) return report.status;
 
   const Stopwatch watch(counts_.seconds_solve);
@@ -130,7 +131,7 @@ Status ContactStep::solve(double dt, const State& state, const History& history,
     if (held_.empty()) break;
     const int left = held_.update(rows_, v);
     const double scale = std::max(v.lpNorm<Eigen::Infinity>(), state.v.lpNorm<Eigen::Infinity>());
-    if (left == 0 && held_.violation() <= kHeldTolerance * scale) {
+    if (left == 0 && held_.violation() <= options_.held_tolerance * scale) {
       counts_.violation = std::max(counts_.violation, scale > 0.0 ? held_.violation() / scale : 0.0);
       break;
     }

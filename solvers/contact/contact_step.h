@@ -19,6 +19,7 @@ struct ContactCounts {
   long corrections = 0;                    ///< steps whose penetration was pushed out
   double deepest = 0.0;                    ///< penetration met [m]
   double violation = 0.0;      ///< worst violation of the law that was accepted, relative to the largest |b|
+  double seconds_own = 0.0;    ///< the step's own factorisation and solve
   double seconds_find = 0.0;   ///< finding contacts
   double seconds_solve = 0.0;  ///< everything else beyond the step's own factorisation and solve
 };
