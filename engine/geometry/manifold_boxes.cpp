@@ -153,35 +153,38 @@ class Clip {
 
 // The axis of largest separation; false once one separation exceeds the limit.
 bool separate(const BoxPair& pair, double limit, Axis& best) {
-  const Matrix3d size = pair.turn.cwiseAbs();
+  const Matrix3d &turn = pair.turn, size = turn.cwiseAbs();
   const double tie = kTie * pair.scale;
+  const Vector3d apart_b = turn.transpose() * pair.apart;
+  int best_i = -1, best_j = -1;
   best.separation = -std::numeric_limits<double>::infinity();
-  const auto try_axis = [&](const Vector3d& axis, double separation, int edge_a, int edge_b) {
-    if (separation > best.separation + tie)
-      best = {pair.apart.dot(axis) < 0.0 ? Vector3d(-axis) : axis, separation, edge_a, edge_b};
+  const auto try_axis = [&](double separation, int i, int j) {
+    if (separation > best.separation + tie) best.separation = separation, best_i = i, best_j = j;
     return separation <= limit;
   };
   // face normals of a, then of b
   const Vector3d across_a = pair.apart.cwiseAbs() - pair.half_a - size * pair.half_b;
   for (int i = 0; i < 3; ++i)
-    if (!try_axis(Vector3d::Unit(i), across_a[i], -1, -1)) return false;
-  if (!pair.segment()) {
-    const Vector3d across_b =
-        (pair.turn.transpose() * pair.apart).cwiseAbs() - pair.half_b - size.transpose() * pair.half_a;
-    for (int j = 0; j < 3; ++j)
-      if (!try_axis(pair.turn.col(j), across_b[j], -1, -1)) return false;
-  }
-  // products of edges
+    if (!try_axis(across_a[i], i, -1)) return false;
+  const Vector3d across_b = apart_b.cwiseAbs() - pair.half_b - size.transpose() * pair.half_a;
+  for (int j = pair.segment() ? 3 : 0; j < 3; ++j)
+    if (!try_axis(across_b[j], -1, j)) return false;
+  // products of edges: e_i x e_j has the coordinates -turn(v, j), turn(u, j) along u, v, the axes after i
   for (int i = 0; i < 3; ++i)
     for (int j = pair.segment() ? 2 : 0; j < 3; ++j) {
-      const Vector3d product = Vector3d::Unit(i).cross(pair.turn.col(j));
-      const double sine = product.norm();
+      const int u = (i + 1) % 3, v = (i + 2) % 3, k = (j + 1) % 3, l = (j + 2) % 3;
+      const double sine = std::sqrt(turn(u, j) * turn(u, j) + turn(v, j) * turn(v, j));
       if (sine < kParallelEdges) continue;
-      const Vector3d axis = product / sine;
-      const double separation = std::abs(axis.dot(pair.apart)) - axis.cwiseAbs().dot(pair.half_a) -
-                                (pair.turn.transpose() * axis).cwiseAbs().dot(pair.half_b);
-      if (!try_axis(axis, separation, i, j)) return false;
+      const double centres = std::abs(pair.apart[v] * turn(u, j) - pair.apart[u] * turn(v, j));
+      const double reach = pair.half_a[u] * size(v, j) + pair.half_a[v] * size(u, j) +
+                           pair.half_b[k] * size(i, l) + pair.half_b[l] * size(i, k);
+      if (!try_axis((centres - reach) / sine, i, j)) return false;
     }
+  best.normal = best_j < 0   ? Vector3d(Vector3d::Unit(best_i))
+                : best_i < 0 ? Vector3d(turn.col(best_j))
+                             : Vector3d(Vector3d::Unit(best_i).cross(turn.col(best_j)).normalized());
+  if (pair.apart.dot(best.normal) < 0.0) best.normal = -best.normal;
+  if (best_i >= 0 && best_j >= 0) best.edge_a = best_i, best.edge_b = best_j;
   return true;
 }
 

@@ -70,7 +70,10 @@ class PolyhedraContacts {
     a_.visit_triangles(b_.bounds_in(a_, std::max(margin_, 0.0)), [&](int s) {
       b_.visit_triangles(b_.bounds_of(a_, s, std::max(margin_, 0.0)), [&](int t) {
         for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) out.emplace_back(a_.mesh().edge_of(s, i), b_.mesh().edge_of(t, j));
+          for (int j = 0; j < 3; ++j) {
+            const int p = a_.mesh().edge_of(s, i), q = b_.mesh().edge_of(t, j);
+            if (a_.convex(p) && b_.convex(q)) out.emplace_back(p, q);
+          }
       });
     });
     std::sort(out.begin(), out.end());
@@ -80,16 +83,17 @@ class PolyhedraContacts {
 
   void try_edges(int edge_a, int edge_b, ContactSink& sink) const {
     const SolidEdge p = a_.edge(edge_a), q = b_.edge(edge_b);
-    if (!p.convex || !q.convex) return;
     const Vector3d product = p.along.cross(q.along), w = q.from - p.from;
     const double sine_squared = product.squaredNorm(), d = p.along.dot(q.along);
     if (!(sine_squared > kParallel * kParallel)) return;
     const double s = (p.along.dot(w) - d * q.along.dot(w)) / sine_squared, t = d * s - q.along.dot(w);
     if (!(s > 0.0 && s < p.length && t > 0.0 && t < q.length)) return;
     Vector3d u = product / std::sqrt(sine_squared);
-    if (u.dot(p.normal - q.normal) < 0.0) u = -u;
-    for (int k = 0; k < 2; ++k)
-      if (u.dot(p.beside[k]) > kCone || u.dot(q.beside[k]) < -kCone) return;
+    if (u.dot(a_.edge_normal(edge_a) - b_.edge_normal(edge_b)) < 0.0) u = -u;
+    for (const Vector3d& beside : a_.beside(edge_a))
+      if (u.dot(beside) > kCone) return;
+    for (const Vector3d& beside : b_.beside(edge_b))
+      if (u.dot(beside) < -kCone) return;
     const double gap = u.dot(w);
     if (gap > margin_) return;
     const Vector3d on_a = p.from + s * p.along, on_b = q.from + t * q.along;

@@ -46,17 +46,24 @@ MeshSolid::MeshSolid(const BoxShape& box, const Pose& pose)
 
 SolidEdge MeshSolid::edge(int e) const {
   const MeshEdge& edge = mesh_.edges()[e];
-  SolidEdge out;
-  out.from = vertex(edge.a);
-  out.along = vertex(edge.b) - out.from;
+  SolidEdge out{vertex(edge.a), turned(local(edge.b) - local(edge.a)), 0.0};
   out.length = out.along.norm();
   out.along /= out.length;
-  out.normal = turned(mesh_.edge_normals()[e]);
-  const Vector3d left = turned(mesh_.face_normals()[edge.left]),
-                 right = turned(mesh_.face_normals()[edge.right]);
-  out.beside = {left.cross(out.along), out.along.cross(right)};
-  out.convex = out.beside[0].dot(right) < -kConvex;
   return out;
+}
+
+bool MeshSolid::convex(int e) const {
+  const MeshEdge& edge = mesh_.edges()[e];
+  const Vector3d along = local(edge.b) - local(edge.a);
+  return mesh_.face_normals()[edge.left].cross(mesh_.face_normals()[edge.right]).dot(along) >
+         kConvex * along.norm();
+}
+
+std::array<Vector3d, 2> MeshSolid::beside(int e) const {
+  const MeshEdge& edge = mesh_.edges()[e];
+  const Vector3d along = (local(edge.b) - local(edge.a)).normalized();
+  return {turned(mesh_.face_normals()[edge.left].cross(along)),
+          turned(along.cross(mesh_.face_normals()[edge.right]))};
 }
 
 Aabb MeshSolid::bounds_in(const MeshSolid& other, double margin) const {
