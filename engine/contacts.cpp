@@ -54,6 +54,27 @@ void ContactRows::add_impulses(const VectorXd& y, VectorXd& out) const {
     }
 }
 
+ContactRows ContactRows::subset(const std::vector<int>& some) const {
+  ContactRows out;
+  out.driven.resize(3 * static_cast<Eigen::Index>(some.size()));
+  for (int i : some) {
+    out.driven.segment<3>(3 * out.count()) = driven.segment<3>(3 * i);
+    out.contacts.push_back(contacts[i]);
+    Contact& contact = out.contacts.back();
+    const auto first = blocks.begin() + contact.first_block;
+    contact.first_block = static_cast<int>(out.blocks.size());
+    out.blocks.insert(out.blocks.end(), first, first + contact.blocks);
+  }
+  return out;
+}
+
+void ContactRows::keep_within(double gap) {
+  std::vector<int> some;
+  for (int i = 0; i < count(); ++i)
+    if (contacts[i].at.gap <= gap) some.push_back(i);
+  *this = subset(some);
+}
+
 ContactFinder::ContactFinder(const System& system)
     : system_(system), poses_(system.colliders.size()), margins_(system.colliders.size()) {
   for (const Stencil& stencil : system.stencils) {

@@ -38,6 +38,10 @@ struct ContactRows {
   VectorXd driven;  ///< u that prescribed motion alone gives, 3 per contact [m/s]
 
   int count() const { return static_cast<int>(contacts.size()); }
+  /// Only the contacts at these places.
+  ContactRows subset(const std::vector<int>& some) const;
+  /// Drops the contacts whose gap is larger [m].
+  void keep_within(double gap);
   /// u = J v + driven, 3 per contact [m/s].
   void velocities(const VectorXd& v, VectorXd& u) const;
   /// u = J v.

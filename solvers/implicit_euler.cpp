@@ -13,7 +13,10 @@ Status LinearImplicitEuler<kKind>::prepare() {
   kkt_.prepare(*system_);
   dt_ = 0.0;
   if (!system_->colliders.empty()) contacts_.emplace(*system_);
-  return solver_.analyze(*system_, kGeometric);
+  // particles on obstacles act inside their nodes' blocks of Mt
+  const std::vector<int>& held = system_->contact_stencil;
+  const bool blocks = std::any_of(held.begin(), held.end(), [](int stencil) { return stencil >= 0; });
+  return solver_.analyze(*system_, kGeometric || blocks);
 }
 
 template <GeometricStiffness kKind>
@@ -103,18 +106,19 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
   if (ledger) {
     const VectorXd& start = s.bodies.empty() ? state.v : v_start_;  // after the gyroscopic step
     const VectorXd drag = -s.forces.drag.cwiseProduct(v_), dv = v_ - start, gyroscopic = start - state.v;
-    const VectorXd impulse = kkt_.p - s.inertia.cwiseProduct(start);
-    const double pushed = contacts_ ? contacts_->work(v_) : 0.0;
+    const VectorXd impulse = (contacts_ ? contacts_->momentum() : kkt_.p) - s.inertia.cwiseProduct(start);
+    const double pushed = contacts_ ? contacts_->work(v_) : 0.0,
+                 blocks = contacts_ ? contacts_->block_work(v_) : 0.0;  // part of Mt, and of pushed
     VectorXd Jv, Kv = VectorXd::Zero(v_.size());
     kkt_.multiply_jacobian(v_, Jv);
     kkt_.add_geometric(v_, Kv);
     *ledger = {
         kinetic_energy_change(s, state.v, v_),
         -row_energy(s, state),
-        impulse.dot(v_) - pushed,
+        impulse.dot(v_),
         dt * drag.dot(v_),
         y_.dot(Jv),
-        -Kv.dot(v_),
+        blocks - Kv.dot(v_),
         -0.5 * (s.inertia.cwiseProduct(dv).dot(dv) + s.inertia.cwiseProduct(gyroscopic).dot(gyroscopic)),
         pushed};
   }

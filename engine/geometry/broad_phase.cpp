@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/check.h"
+#include "engine/geometry/aabb.h"
 #include "engine/geometry/bvh_build.h"
 #include "engine/geometry/bvh_traversal.h"
 
@@ -16,16 +17,9 @@ namespace {
 constexpr int kLeaf = 4;          // boxes in a leaf, at most
 constexpr double kWornOut = 1.5;  // growth of the cost at which a new tree pays
 
-bool overlap(const Aabb& a, const Aabb& b) {
-  return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
-}
 bool boxes_apart(const Aabb& a, const Aabb& b) {
   return !overlap(a, b);
 }
-bool is_empty(const Aabb& box) {
-  return (box.min.array() > box.max.array()).any();
-}
-
 double half_area(const Aabb& box) {
   const Vector3d d = box.max - box.min;
   return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();

@@ -70,7 +70,7 @@ std::optional<MeshDistance> closest_points(const Bvh<Volume>& a, const Pose& pos
     if (entry.bound >= best.distance_squared) continue;
     const BvhNode<Volume>&x = nodes_a[entry.a], &y = nodes_b[entry.b];
     for (int j = y.first; x.count > 0 && j < y.first + y.count; ++j) {
-      const Corners other = frame(b.corners(j));
+      const Triangle other = frame(b.corners(j));
       for (int i = x.first; i < x.first + x.count; ++i) {
         const ClosestPair here = closest_points(a.corners(i), other);
         if (here.distance_squared >= best.distance_squared) continue;

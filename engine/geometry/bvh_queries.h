@@ -6,6 +6,7 @@
 
 #include "engine/geometry/bvh.h"
 #include "engine/geometry/shape.h"
+#include "engine/geometry/triangle_distance.h"
 
 namespace feder {
 

@@ -5,19 +5,17 @@
 
 #include "engine/geometry/bounding_volumes.h"
 #include "engine/geometry/shape.h"
-#include "engine/geometry/triangle_distance.h"
+#include "engine/geometry/triangle_overlap.h"
 
 namespace feder {
 
 // What the queries of a hierarchy ask of a volume. `slack` [m] covers the rounding of the poses: volumes that
 // are closer than it count as touching.
 
-/// The volume of `count` >= 1 triangles.
-void fit_volume(const Corners* triangles, int count, Sphere& out);
-void fit_volume(const Corners* triangles, int count, Aabb& out);
-void fit_volume(const Corners* triangles, int count, Obb& out);
-
-Aabb merged(const Aabb& a, const Aabb& b);
+/// The volume of `count` >= 1 triangles of a mesh from `first` on.
+void fit_volume(const TriangleMesh& mesh, int first, int count, Sphere& out);
+void fit_volume(const TriangleMesh& mesh, int first, int count, Aabb& out);
+void fit_volume(const TriangleMesh& mesh, int first, int count, Obb& out);
 
 /// Squared distance of a point from the volume, at most [m^2]; 0 inside.
 inline double distance_squared(const Aabb& box, const Vector3d& p) {
@@ -50,7 +48,7 @@ struct Relative {
   double slack;             ///< [m]
 
   Vector3d operator()(const Vector3d& x) const { return rotation * x + position; }
-  Corners operator()(const Corners& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
+  Triangle operator()(const Triangle& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
 };
 /// reach: largest distance of a point of either mesh from its origin [m].
 Relative relative(const Pose& a, const Pose& b, double reach);
@@ -76,14 +74,24 @@ inline BoxGaps box_gaps(const Aabb& a, const Aabb& b, const Relative& frame) {
   return box_gaps(0.5 * (a.max - a.min), 0.5 * (b.max - b.min), centre, frame.rotation, frame.size);
 }
 
+inline bool exceeds(const Vector3d& x, double limit) {
+  return x[0] > limit || x[1] > limit || x[2] > limit;
+}
+
 /// Certainly apart. False says nothing.
 inline bool apart(const Aabb& a, const Aabb& b, const Relative& frame) {
   if (!frame.turned) {
-    const Vector3d low = b.min + frame.position, high = b.max + frame.position;
-    return ((a.min - high).array() > frame.slack).any() || ((low - a.max).array() > frame.slack).any();
+    for (int c = 0; c < 3; ++c)
+      if (b.min[c] + frame.position[c] - a.max[c] > frame.slack ||
+          a.min[c] - b.max[c] - frame.position[c] > frame.slack)
+        return true;
+    return false;
   }
-  const BoxGaps gaps = box_gaps(a, b, frame);
-  return (gaps.along_a.array() > frame.slack).any() || (gaps.along_b.array() > frame.slack).any();
+  const Vector3d half_a = 0.5 * (a.max - a.min), half_b = 0.5 * (b.max - b.min);
+  const Vector3d centre = frame(0.5 * (b.min + b.max)) - 0.5 * (a.min + a.max);
+  return exceeds(centre.cwiseAbs() - half_a - frame.size * half_b, frame.slack) ||
+         exceeds((frame.rotation.transpose() * centre).cwiseAbs() - half_b - frame.size.transpose() * half_a,
+                 frame.slack);
 }
 inline bool apart(const Sphere& a, const Sphere& b, const Relative& frame) {
   const double reach = a.radius + b.radius + frame.slack;
@@ -91,7 +99,7 @@ inline bool apart(const Sphere& a, const Sphere& b, const Relative& frame) {
 }
 inline bool apart(const Obb& a, const Obb& b, const Relative& frame) {
   const BoxGaps gaps = box_gaps(a, b, frame);
-  return (gaps.along_a.array() > frame.slack).any() || (gaps.along_b.array() > frame.slack).any();
+  return exceeds(gaps.along_a, frame.slack) || exceeds(gaps.along_b, frame.slack);
 }
 
 /// Squared distance of two volumes, at most [m^2].

@@ -31,6 +31,7 @@ struct BoxContacts {
   int count = 0;
 
   void add(const BoxContact& point);
+  double least() const;  ///< smallest gap; infinite of none
 };
 
 // Features of a box for feature_pair, from a point on it (axes of the box): 1 to 8, and 16 to 27.

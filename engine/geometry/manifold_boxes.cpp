@@ -19,8 +19,10 @@ namespace {
 
 constexpr double kTie = 1e-12;           // separations that close, relative to the sizes, are the same
 constexpr double kParallelEdges = 1e-8;  // sine of the angle below which edges make no axis
-constexpr double kFaceNormal = 0.95;     // cosine of the angle to a face normal up to which the face touches
-constexpr double kCorner = 1e-4;  // of the smallest half edge: as close as that to a vertex is the vertex
+constexpr double kCloser = 1e-10;  // relative to the sizes: edges of both that lie on each other cross where
+                                   // one vertex hangs over; it counts if it is closer by that
+constexpr double kFaceNormal = 0.95;  // cosine of the angle to a face normal up to which the face touches
+constexpr double kCorner = 1e-4;      // of the smallest half edge: as close as that to a vertex is the vertex
 
 struct Axis {
   Vector3d normal;  // in the axes of a, from a to b
@@ -70,6 +72,7 @@ class Clip {
     }
     const int edges = pair_.segment() ? 1 : 4;
     for (int k = 0; k < edges; ++k) add_crossings(out, projected_[k], projected_[(k + 1) % corners_]);
+    if (along_.gap < out.least() - kCloser * pair_.scale) add(out, along_.on_a, along_.gap, along_.feature);
   }
 
  private:
@@ -105,12 +108,13 @@ class Clip {
   }
 
   // An edge of b from x to y with the four edges of the face of a.
-  void add_crossings(BoxContacts& out, const Projected& x, const Projected& y) const {
+  void add_crossings(BoxContacts& out, const Projected& x, const Projected& y) {
     for (int line = 0; line < 4; ++line) {
       const int across = line < 2 ? face_.u : face_.v, along = line < 2 ? face_.v : face_.u;
       const double side = line % 2 ? 1.0 : -1.0, half = pair_.half_a[across];
       const double from = side * x.on_a[across] - half, to = side * y.on_a[across] - half;
       if ((from < 0.0) == (to < 0.0)) continue;
+      const bool along_line = std::abs(from) <= corner_ && std::abs(to) <= corner_;
       const double part = from / (from - to);
       Vector3d on_a = x.on_a + part * (y.on_a - x.on_a);
       on_a[across] = side * half;
@@ -122,7 +126,11 @@ class Clip {
       const std::uint32_t feature =
           of_b ? feature_pair(0, of_b)
                : feature_pair(edge_feature(along, on_a), edge_feature(x.corner, y.corner));
-      add(out, on_a, x.gap + part * (y.gap - x.gap), feature);
+      const double gap = x.gap + part * (y.gap - x.gap);
+      if (!along_line)
+        add(out, on_a, gap, feature);
+      else if (gap < along_.gap)
+        along_ = {on_a, normal_, gap, feature};
     }
   }
 
@@ -140,39 +148,43 @@ class Clip {
   double corner_ = 0.0;
   int corners_ = 0;
   std::array<Projected, 4> projected_;
+  BoxContact along_{{}, {}, std::numeric_limits<double>::infinity(), 0};  // where edges lie on each other
 };
 
 // The axis of largest separation; false once one separation exceeds the limit.
 bool separate(const BoxPair& pair, double limit, Axis& best) {
-  const Matrix3d size = pair.turn.cwiseAbs();
+  const Matrix3d &turn = pair.turn, size = turn.cwiseAbs();
   const double tie = kTie * pair.scale;
+  const Vector3d apart_b = turn.transpose() * pair.apart;
+  int best_i = -1, best_j = -1;
   best.separation = -std::numeric_limits<double>::infinity();
-  const auto try_axis = [&](const Vector3d& axis, double separation, int edge_a, int edge_b) {
-    if (separation > best.separation + tie)
-      best = {pair.apart.dot(axis) < 0.0 ? Vector3d(-axis) : axis, separation, edge_a, edge_b};
+  const auto try_axis = [&](double separation, int i, int j) {
+    if (separation > best.separation + tie) best.separation = separation, best_i = i, best_j = j;
     return separation <= limit;
   };
   // face normals of a, then of b
   const Vector3d across_a = pair.apart.cwiseAbs() - pair.half_a - size * pair.half_b;
   for (int i = 0; i < 3; ++i)
-    if (!try_axis(Vector3d::Unit(i), across_a[i], -1, -1)) return false;
-  if (!pair.segment()) {
-    const Vector3d across_b =
-        (pair.turn.transpose() * pair.apart).cwiseAbs() - pair.half_b - size.transpose() * pair.half_a;
-    for (int j = 0; j < 3; ++j)
-      if (!try_axis(pair.turn.col(j), across_b[j], -1, -1)) return false;
-  }
-  // products of edges
+    if (!try_axis(across_a[i], i, -1)) return false;
+  const Vector3d across_b = apart_b.cwiseAbs() - pair.half_b - size.transpose() * pair.half_a;
+  for (int j = pair.segment() ? 3 : 0; j < 3; ++j)
+    if (!try_axis(across_b[j], -1, j)) return false;
+  // products of edges: e_i x e_j has the coordinates -turn(v, j), turn(u, j) along u, v, the axes after i
   for (int i = 0; i < 3; ++i)
     for (int j = pair.segment() ? 2 : 0; j < 3; ++j) {
-      const Vector3d product = Vector3d::Unit(i).cross(pair.turn.col(j));
-      const double sine = product.norm();
+      const int u = (i + 1) % 3, v = (i + 2) % 3, k = (j + 1) % 3, l = (j + 2) % 3;
+      const double sine = std::sqrt(turn(u, j) * turn(u, j) + turn(v, j) * turn(v, j));
       if (sine < kParallelEdges) continue;
-      const Vector3d axis = product / sine;
-      const double separation = std::abs(axis.dot(pair.apart)) - axis.cwiseAbs().dot(pair.half_a) -
-                                (pair.turn.transpose() * axis).cwiseAbs().dot(pair.half_b);
-      if (!try_axis(axis, separation, i, j)) return false;
+      const double centres = std::abs(pair.apart[v] * turn(u, j) - pair.apart[u] * turn(v, j));
+      const double reach = pair.half_a[u] * size(v, j) + pair.half_a[v] * size(u, j) +
+                           pair.half_b[k] * size(i, l) + pair.half_b[l] * size(i, k);
+      if (!try_axis((centres - reach) / sine, i, j)) return false;
     }
+  best.normal = best_j < 0   ? Vector3d(Vector3d::Unit(best_i))
+                : best_i < 0 ? Vector3d(turn.col(best_j))
+                             : Vector3d(Vector3d::Unit(best_i).cross(turn.col(best_j)).normalized());
+  if (pair.apart.dot(best.normal) < 0.0) best.normal = -best.normal;
+  if (best_i >= 0 && best_j >= 0) best.edge_a = best_i, best.edge_b = best_j;
   return true;
 }
 
@@ -226,6 +238,12 @@ void BoxContacts::add(const BoxContact& point) {
   count = std::max(count, k + 1);
 }
 
+double BoxContacts::least() const {
+  double out = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < count; ++k) out = std::min(out, points[k].gap);
+  return out;
+}
+
 void find_box_contacts(const BoxPair& pair, double limit, BoxContacts& out) {
   Axis axis;
   if (!separate(pair, limit, axis)) return;
@@ -237,9 +255,8 @@ void find_box_contacts(const BoxPair& pair, double limit, BoxContacts& out) {
     if (add_edge_crossing(pair, axis, tolerance, out)) return;
   } else {
     Clip(pair, axis.normal, tolerance).run(out);
-    double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < out.count; ++k) least = std::min(least, out.points[k].gap);
-    if (least <= axis.separation + 10.0 * tolerance || (axis.separation <= 0.0 && out.count > 0)) return;
+    if (out.least() <= axis.separation + 10.0 * tolerance || (axis.separation <= 0.0 && out.count > 0))
+      return;
     out.count = 0;
   }
   find_closest_box_points(pair, limit, axis.normal, axis.separation, out);

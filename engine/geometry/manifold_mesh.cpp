@@ -18,7 +18,10 @@ namespace feder {
 namespace {
 
 constexpr double kRounding = 1e-12;  // relative to the coordinates
-constexpr double kCone = 1e-9;       // as the sine of an angle: rounding of u
+// Sine of the angle by which u may leave the cone: of rounding at a vertex; lying across an edge, u is at its
+// rim.
+constexpr double kVertexCone = 1e-9, kEdgeCone = 0.05;
+constexpr double kConvex = 1e-6;  // sine of the dihedral angle from which an edge can touch
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A number for a face, edge or vertex; below 2^30 for the largest mesh that fits the indices of edges used.
@@ -62,7 +65,7 @@ const Vector3d& normal_at(const CollisionMesh& mesh, Feature kind, int index) {
                                   : mesh.vertex_normals()[index];
 }
 
-Corners corners_of(const CollisionMesh& mesh, int triangle) {
+Triangle corners_of(const CollisionMesh& mesh, int triangle) {
   const auto& [a, b, c] = mesh.mesh().triangles[triangle];
   return {mesh.mesh().vertices[a], mesh.mesh().vertices[b], mesh.mesh().vertices[c]};
 }
@@ -112,7 +115,7 @@ void add_nearest_points(const CollisionMesh& mesh, const Vector3d& centre, doubl
 std::vector<Touch> touches(const CollisionMesh& mesh, const Vector3d& centre, double reach) {
   std::vector<Touch> out;
   const Aabb& bounds = mesh.hierarchy().nodes().front().volume;
-  if ((centre - centre.cwiseMax(bounds.min).cwiseMin(bounds.max)).norm() > reach) return out;
+  if ((centre - centre.cwiseMax(bounds.min).cwiseMin(bounds.max)).norm() > std::max(reach, 0.0)) return out;
   const std::optional<SurfacePoint> nearest = mesh.closest_point(centre, kInfinity);
   if (!nearest || nearest->signed_distance > reach) return out;
   if (nearest->signed_distance < 0.0) {
@@ -165,13 +168,18 @@ class AxisContacts {
     std::vector<Vector3d> neighbours;
     for (std::size_t k = first; k < last; ++k)
       neighbours.push_back(mesh_.mesh().vertices[neighbours_[k].second]);
-    try_point(x, centre_ + s * axis_, mesh_.vertex_normals()[v], neighbours,
+    const Vector3d apart = centre_ + s * axis_ - x, &normal = mesh_.vertex_normals()[v];
+    const bool meet = apart.norm() <= kRounding * coordinates(mesh_);
+    const Vector3d across = meet ? Vector3d(normal - axis_.dot(normal) * axis_) : apart;
+    try_point(x, centre_ + s * axis_, direction_or(across, normal), normal, neighbours, kVertexCone,
               surface_feature(Feature::kVertex, v));
   }
 
   void try_edge(int e) {
     const MeshEdge& edge = mesh_.edges()[e];
     const Vector3d &from = mesh_.mesh().vertices[edge.a], &to = mesh_.mesh().vertices[edge.b];
+    const Vector3d &left = mesh_.face_normals()[edge.left], &right = mesh_.face_normals()[edge.right];
+    if (left.cross(right).dot(to - from) < kConvex * (to - from).norm()) return;
     const double length = (to - from).norm();
     const Vector3d along = (to - from) / length, w = from - centre_;
     const double d = along.dot(axis_), sine_squared = along.cross(axis_).squaredNorm();
@@ -182,25 +190,31 @@ class AxisContacts {
     for (int triangle : {edge.left, edge.right})
       for (int v : mesh_.mesh().triangles[triangle])
         if (v != edge.a && v != edge.b) neighbours.push_back(mesh_.mesh().vertices[v]);
-    try_point(from + t * along, centre_ + s * axis_, mesh_.edge_normals()[e], neighbours,
-              surface_feature(Feature::kEdge, e));
+    try_point(from + t * along, centre_ + s * axis_, along.cross(axis_).normalized(), mesh_.edge_normals()[e],
+              neighbours, kEdgeCone, surface_feature(Feature::kEdge, e));
   }
 
-  void try_point(const Vector3d& x, const Vector3d& on_axis, const Vector3d& normal,
-                 const std::vector<Vector3d>& neighbours, std::uint32_t feature) {
-    const Vector3d apart = on_axis - x;
-    const double distance = apart.norm();
-    const bool inside = apart.dot(normal) < 0.0;
-    const Vector3d outward = direction_or(inside ? Vector3d(-apart) : apart, normal);
-    if ((inside ? -distance : distance) > reach_) return;
+  // `across`: unit, along the line between the two points, either way.
+  void try_point(const Vector3d& x, const Vector3d& on_axis, const Vector3d& across, const Vector3d& normal,
+                 const std::vector<Vector3d>& neighbours, double cone, std::uint32_t feature) {
+    const Vector3d outward = across.dot(normal) < 0.0 ? Vector3d(-across) : across;
+    const double distance = outward.dot(on_axis - x);
+    if (distance > reach_) return;
     for (const Vector3d& o : neighbours)
-      if (outward.dot(o - x) > kCone * (o - x).norm()) return;
-    // below this edge, but out of the solid again on its other side
-    if (inside) {
-      const auto there = mesh_.closest_point(on_axis, distance * (1.0 + kCone));
-      if (!there || there->signed_distance > kRounding * coordinates(mesh_)) return;
-    }
-    out_.push_back({x, outward, inside ? -distance : distance, feature});
+      if (outward.dot(o - x) > cone * (o - x).norm()) return;
+    if (distance < -kRounding * coordinates(mesh_) && !enters(on_axis, -0.1 * distance)) return;
+    out_.push_back({x, outward, distance, feature});
+  }
+
+  // Whether the axis is in the solid around a point of it: not out again on its other side, nor along a face.
+  bool enters(const Vector3d& on_axis, double around_it) const {
+    const double s = axis_.dot(on_axis - centre_);
+    const auto inside = [&](double there) {
+      const Vector3d p = centre_ + std::clamp(there, -half_, half_) * axis_;
+      const auto nearest = mesh_.closest_point(p, kInfinity);
+      return nearest && nearest->signed_distance < -1e-3 * around_it;
+    };
+    return inside(s - around_it) || inside(s + around_it);
   }
 
   const CollisionMesh& mesh_;

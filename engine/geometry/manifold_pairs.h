@@ -26,13 +26,9 @@ constexpr std::uint32_t feature_pair(std::uint32_t of_a, std::uint32_t of_b) {
 /// Unit vector along v, or `fallback` where v is zero.
 Vector3d direction_or(const Vector3d& v, const Vector3d& fallback);
 
-/// Contact of two balls; `fallback` is the normal where the centres coincide.
+/// Contact of two balls; `fallback` is the normal where the centres are no more than `rounding` [m] apart.
 void add_balls(const Vector3d& centre_a, double radius_a, const Vector3d& centre_b, double radius_b,
-               const Vector3d& fallback, std::uint32_t feature, ContactSink& sink);
-
-/// Parameter in [-half_length, half_length] of the point centre + parameter axis nearest to p; axis unit [m].
-double nearest_on_segment(const Vector3d& p, const Vector3d& centre, const Vector3d& axis,
-                          double half_length);
+               const Vector3d& fallback, double rounding, std::uint32_t feature, ContactSink& sink);
 
 // One routine per pair, in the order of the types in Shape; points come in any order.
 // manifold_rounded.cpp

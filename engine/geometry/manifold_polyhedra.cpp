@@ -70,7 +70,10 @@ class PolyhedraContacts {
     a_.visit_triangles(b_.bounds_in(a_, std::max(margin_, 0.0)), [&](int s) {
       b_.visit_triangles(b_.bounds_of(a_, s, std::max(margin_, 0.0)), [&](int t) {
         for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) out.emplace_back(a_.mesh().edge_of(s, i), b_.mesh().edge_of(t, j));
+          for (int j = 0; j < 3; ++j) {
+            const int p = a_.mesh().edge_of(s, i), q = b_.mesh().edge_of(t, j);
+            if (a_.convex(p) && b_.convex(q)) out.emplace_back(p, q);
+          }
       });
     });
     std::sort(out.begin(), out.end());
@@ -80,40 +83,46 @@ class PolyhedraContacts {
 
   void try_edges(int edge_a, int edge_b, ContactSink& sink) const {
     const SolidEdge p = a_.edge(edge_a), q = b_.edge(edge_b);
-    if (!p.convex || !q.convex) return;
     const Vector3d product = p.along.cross(q.along), w = q.from - p.from;
     const double sine_squared = product.squaredNorm(), d = p.along.dot(q.along);
     if (!(sine_squared > kParallel * kParallel)) return;
     const double s = (p.along.dot(w) - d * q.along.dot(w)) / sine_squared, t = d * s - q.along.dot(w);
     if (!(s > 0.0 && s < p.length && t > 0.0 && t < q.length)) return;
     Vector3d u = product / std::sqrt(sine_squared);
-    if (u.dot(p.normal - q.normal) < 0.0) u = -u;
-    for (int k = 0; k < 2; ++k)
-      if (u.dot(p.beside[k]) > kCone || u.dot(q.beside[k]) < -kCone) return;
+    if (u.dot(a_.edge_normal(edge_a) - b_.edge_normal(edge_b)) < 0.0) u = -u;
+    for (const Vector3d& beside : a_.beside(edge_a))
+      if (u.dot(beside) > kCone) return;
+    for (const Vector3d& beside : b_.beside(edge_b))
+      if (u.dot(beside) < -kCone) return;
     const double gap = u.dot(w);
     if (gap > margin_) return;
     const Vector3d on_a = p.from + s * p.along, on_b = q.from + t * q.along;
-    if (gap < 0.0 && (explained(edge_a, edge_b, u, gap) || outside(b_, on_a, gap) || outside(a_, on_b, gap)))
-      return;
+    if (gap < 0.0) {
+      // overlapping edges are near each other inside both solids
+      if (outside(b_, on_a, -gap) || outside(a_, on_b, -gap)) return;
+      if (explained(edge_a, edge_b, u, on_a)) return;
+    }
     const std::uint64_t pair =
         static_cast<std::uint64_t>(edge_a) * b_.mesh().edges().size() + static_cast<std::uint64_t>(edge_b);
     sink.add(on_a, u, gap, 2u << 30 | static_cast<std::uint32_t>(pair % kPairs));
   }
 
-  // Overlapping edges are near each other inside both solids.
-  bool outside(const MeshSolid& solid, const Vector3d& x, double gap) const {
-    const std::optional<SolidPoint> there = solid.nearest(x, Vector3d::Zero(), -gap + rounding_);
+  bool outside(const MeshSolid& solid, const Vector3d& x, double depth) const {
+    const std::optional<SolidPoint> there = solid.nearest(x, Vector3d::Zero(), depth + rounding_);
     return !there || there->distance > rounding_;
   }
 
-  // An end of one of the edges touches in another direction and is less deep.
-  bool explained(int edge_a, int edge_b, const Vector3d& u, double gap) const {
+  // An end of one of the edges touches in another direction, and parted along it the edges are clear too.
+  bool explained(int edge_a, int edge_b, const Vector3d& u, const Vector3d& on_a) const {
     const auto explains = [&](const std::vector<VertexContact>& contacts, int v) {
       const auto found =
           std::lower_bound(contacts.begin(), contacts.end(), v,
                            [](const VertexContact& c, int vertex) { return c.vertex < vertex; });
-      return found != contacts.end() && found->vertex == v && found->normal.dot(u) < kSameDirection &&
-             gap < found->gap;
+      if (found == contacts.end() || found->vertex != v || found->gap > rounding_) return false;
+      if (found->normal.dot(u) > kSameDirection) return false;
+      const std::optional<SolidPoint> there =
+          b_.nearest(on_a + found->gap * found->normal, Vector3d::Zero(), rounding_ - found->gap);
+      return !there || there->distance > -rounding_;
     };
     const MeshEdge &p = a_.mesh().edges()[edge_a], &q = b_.mesh().edges()[edge_b];
     return explains(vertices_a_, p.a) || explains(vertices_a_, p.b) || explains(vertices_b_, q.a) ||

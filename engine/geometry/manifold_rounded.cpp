@@ -18,55 +18,76 @@ constexpr double kParallel = 0.1;      // sine of the angle below which capsules
 constexpr double kAtEnd = 1e-4;        // of the shorter segment: a point that close to an end is the end
 constexpr double kCloser = 1e-10;      // what a crossing of nearly parallel axes gains over the ends of the
                                        // overlap counts from here on, relative to the lengths
-constexpr double kNoCrossing = 1e-12;  // sine of the angle below which axes have no crossing
-
-struct Segment {
-  Vector3d centre, axis;
-  double half;
-
-  Segment(const CapsuleShape& capsule, const Pose& pose)
-      : centre(pose.position), axis(pose.rotation.col(2)), half(capsule.half_length) {}
-  Vector3d at(double s) const { return centre + s * axis; }
-  /// 1 or 2 near an end, 0 between.
-  std::uint32_t end(double s, double tolerance) const {
-    return s <= tolerance - half ? 1u : s >= half - tolerance ? 2u : 0u;
-  }
-};
+constexpr double kNoCrossing = 1e-10;  // sine of the angle below which axes have no crossing
+constexpr double kMeeting = 1e-13;     // axes closer than this, relative to the lengths, give no direction
 
 /// Points at s and t of two segments; `inside`: neither parameter had to be limited to its segment.
 struct Link {
-  double s, t, distance;
+  double s, t;
+  Vector3d apart;
   bool inside;
 };
 
-Link link(const Segment& a, const Segment& b, double s, double t, bool inside) {
-  return {s, t, (b.at(t) - a.at(s)).norm(), inside};
-}
+/// The axes of two capsules: the ends of a against b, those of b against a, and the crossing if there is one
+/// between the ends.
+class Axes {
+ public:
+  Axes(const Pose& pose_a, double half_a, const Pose& pose_b, double half_b)
+      : a_(pose_a.rotation.col(2)),
+        b_(pose_b.rotation.col(2)),
+        w_(pose_b.position - pose_a.position),
+        half_a_(half_a),
+        half_b_(half_b),
+        across_(a_.cross(b_)),
+        sine_(across_.norm()),
+        tolerance_(kAtEnd * std::min(half_a, half_b)) {
+    for (double sign : {-1.0, 1.0}) {
+      add_end(sign * half_a, b_.dot(sign * half_a * a_ - w_), true);
+      add_end(a_.dot(w_ + sign * half_b * b_), sign * half_b, false);
+    }
+    if (sine_ <= kNoCrossing) return;
+    const double d = a_.dot(b_), on_a = a_.dot(w_), on_b = b_.dot(w_);
+    const double s = (on_a - d * on_b) / (sine_ * sine_), t = d * s - on_b;
+    if (!(std::abs(s) < half_a_ && std::abs(t) < half_b_)) return;
+    links_[count_++] = {s, t, without(without(w_ + t * b_ - s * a_, a_), b_), true};
+  }
 
-/// Ends of a against b, ends of b against a, and the crossing if there is one between the ends.
-struct Links {
-  std::array<Link, 4> ends;
-  Link crossing{0.0, 0.0, std::numeric_limits<double>::infinity(), false};
-  double sine;
+  double sine() const { return sine_; }
+  double size() const { return w_.norm() + half_a_ + half_b_; }
+  /// The normal of axes that meet; `side`: a direction across a, for axes that are parallel.
+  Vector3d across(const Vector3d& side) const {
+    return sine_ > kNoCrossing ? Vector3d(across_ / sine_) : side;
+  }
+  const Link* begin() const { return links_.data(); }
+  const Link* end() const { return links_.data() + count_; }
+  /// 1 or 2 near an end, 0 between.
+  std::uint32_t feature(const Link& link) const {
+    return feature_pair(end_feature(link.s, half_a_), end_feature(link.t, half_b_));
+  }
+
+ private:
+  // An end of one against the other segment, whose parameter is limited to it.
+  void add_end(double s, double t, bool of_a) {
+    double& other = of_a ? t : s;
+    const double half = of_a ? half_b_ : half_a_, wanted = other;
+    other = std::clamp(wanted, -half, half);
+    Vector3d apart = w_ + t * b_ - s * a_;
+    if (wanted == other) apart = without(apart, of_a ? b_ : a_);
+    links_[count_++] = {s, t, apart, std::abs(wanted) <= half + tolerance_};
+  }
+  // Across the axis to the last digit, even where next to nothing is left.
+  static Vector3d without(const Vector3d& v, const Vector3d& axis) { return v - axis.dot(v) * axis; }
+  std::uint32_t end_feature(double s, double half) const {
+    return s <= tolerance_ - half ? 1u : s >= half - tolerance_ ? 2u : 0u;
+  }
+
+  const Vector3d a_, b_, w_;
+  const double half_a_, half_b_;
+  const Vector3d across_;
+  const double sine_, tolerance_;
+  std::array<Link, 5> links_;
+  std::ptrdiff_t count_ = 0;
 };
-
-Links all_links(const Segment& a, const Segment& b, double tolerance) {
-  Links out;
-  for (int k = 0; k < 2; ++k) {
-    const double s = k ? a.half : -a.half, t = k ? b.half : -b.half;
-    const double on_b = b.axis.dot(a.at(s) - b.centre), on_a = a.axis.dot(b.at(t) - a.centre);
-    out.ends[k] = link(a, b, s, std::clamp(on_b, -b.half, b.half), std::abs(on_b) <= b.half + tolerance);
-    out.ends[2 + k] = link(a, b, std::clamp(on_a, -a.half, a.half), t, std::abs(on_a) <= a.half + tolerance);
-  }
-  out.sine = a.axis.cross(b.axis).norm();
-  if (out.sine > kNoCrossing) {
-    const Vector3d w = b.centre - a.centre;
-    const double d = a.axis.dot(b.axis), on_a = a.axis.dot(w), on_b = b.axis.dot(w);
-    const double s = (on_a - d * on_b) / (out.sine * out.sine), t = d * s - on_b;
-    if (std::abs(s) < a.half && std::abs(t) < b.half) out.crossing = link(a, b, s, t, true);
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -76,19 +97,15 @@ Vector3d direction_or(const Vector3d& v, const Vector3d& fallback) {
 }
 
 void add_balls(const Vector3d& centre_a, double radius_a, const Vector3d& centre_b, double radius_b,
-               const Vector3d& fallback, std::uint32_t feature, ContactSink& sink) {
-  const Vector3d apart = centre_b - centre_a, normal = direction_or(apart, fallback);
+               const Vector3d& fallback, double rounding, std::uint32_t feature, ContactSink& sink) {
+  const Vector3d apart = centre_b - centre_a;
+  const Vector3d normal = apart.norm() <= rounding ? fallback : direction_or(apart, fallback);
   sink.add(centre_a + radius_a * normal, normal, apart.norm() - radius_a - radius_b, feature);
-}
-
-double nearest_on_segment(const Vector3d& p, const Vector3d& centre, const Vector3d& axis,
-                          double half_length) {
-  return std::clamp(axis.dot(p - centre), -half_length, half_length);
 }
 
 void add_contacts(const SphereShape& a, const Pose& pose_a, const SphereShape& b, const Pose& pose_b,
                   ContactSink& sink) {
-  add_balls(pose_a.position, a.radius, pose_b.position, b.radius, pose_a.rotation.col(2), 0, sink);
+  add_balls(pose_a.position, a.radius, pose_b.position, b.radius, pose_a.rotation.col(2), 0.0, 0, sink);
 }
 
 void add_contacts(const SphereShape& sphere, const Pose& sphere_pose, const BoxShape& box, const Pose& pose,
@@ -116,43 +133,46 @@ void add_contacts(const SphereShape& sphere, const Pose& sphere_pose, const BoxS
 
 void add_contacts(const SphereShape& sphere, const Pose& sphere_pose, const CapsuleShape& capsule,
                   const Pose& pose, ContactSink& sink) {
-  const Segment segment(capsule, pose);
-  const double s = nearest_on_segment(sphere_pose.position, segment.centre, segment.axis, segment.half);
-  add_balls(sphere_pose.position, sphere.radius, segment.at(s), capsule.radius, pose.rotation.col(0),
-            segment.end(s, 0.0), sink);
+  // in the axes of the capsule: between the ends the normal is across the axis to the last digit
+  const Vector3d centre = pose.rotation.transpose() * (sphere_pose.position - pose.position);
+  const double half = capsule.half_length, s = std::clamp(centre.z(), -half, half);
+  const Vector3d apart(centre.x(), centre.y(), centre.z() - s);
+  const Vector3d normal = -(pose.rotation * direction_or(apart, Vector3d::UnitX()));
+  const std::uint32_t feature = s <= -half ? 1u : s >= half ? 2u : 0u;
+  sink.add(sphere_pose.position + sphere.radius * normal, normal,
+           apart.norm() - sphere.radius - capsule.radius, feature);
 }
 
-void add_contacts(const CapsuleShape& capsule_a, const Pose& pose_a, const CapsuleShape& capsule_b,
-                  const Pose& pose_b, ContactSink& sink) {
-  const Segment a(capsule_a, pose_a), b(capsule_b, pose_b);
-  const double tolerance = kAtEnd * std::min(a.half, b.half);
-  const Links links = all_links(a, b, tolerance);
+void add_contacts(const CapsuleShape& a, const Pose& pose_a, const CapsuleShape& b, const Pose& pose_b,
+                  ContactSink& sink) {
+  const Axes axes(pose_a, a.half_length, pose_b, b.half_length);
   std::array<Link, 5> taken;  // one per feature, the nearest
   std::array<std::uint32_t, 5> features;
-  int count = 0;
-  const Link* closest = &links.crossing;
-  for (const Link& end : links.ends)
-    if (end.distance < closest->distance) closest = &end;
-  const bool line = links.sine < kParallel;
-  const auto take = [&](const Link& candidate) {
-    const std::uint32_t feature = feature_pair(a.end(candidate.s, tolerance), b.end(candidate.t, tolerance));
-    int k = 0;
+  std::size_t count = 0;
+  const auto take = [&](const Link& link) {
+    const std::uint32_t feature = axes.feature(link);
+    std::size_t k = 0;
     while (k < count && features[k] != feature) ++k;
-    if (k == count || candidate.distance < taken[k].distance) taken[k] = candidate;
+    if (k == count || link.apart.norm() < taken[k].apart.norm()) taken[k] = link;
     features[k] = feature;
     count = std::max(count, k + 1);
   };
-  // the line of touch of nearly parallel capsules
+  // the line of touch of nearly parallel capsules, then the closest points
   double least = std::numeric_limits<double>::infinity();
-  for (const Link& end : links.ends)
-    if (line && end.inside) take(end), least = std::min(least, end.distance);
-  // the closest points
-  if (!(closest->distance >= least - kCloser * (a.half + b.half))) take(*closest);
-  const Vector3d across = a.axis.cross(b.axis);
-  const Vector3d fallback = links.sine > kNoCrossing ? across.normalized() : Vector3d(pose_a.rotation.col(0));
-  for (int k = 0; k < count; ++k)
-    add_balls(a.at(taken[k].s), capsule_a.radius, b.at(taken[k].t), capsule_b.radius, fallback, features[k],
+  const Link* closest = axes.begin();
+  for (const Link& link : axes) {
+    if (link.apart.norm() < closest->apart.norm()) closest = &link;
+    if (axes.sine() > kParallel || !link.inside || axes.feature(link) == 0) continue;
+    take(link);
+    least = std::min(least, link.apart.norm());
+  }
+  if (!(closest->apart.norm() >= least - kCloser * axes.size())) take(*closest);
+  const Vector3d across = axes.across(pose_a.rotation.col(0));
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3d on_a = pose_a.position + taken[k].s * pose_a.rotation.col(2);
+    add_balls(on_a, a.radius, on_a + taken[k].apart, b.radius, across, kMeeting * axes.size(), features[k],
               sink);
+  }
 }
 
 }  // namespace feder

@@ -16,6 +16,8 @@ namespace {
 constexpr double kCentred = 0.1;   // rho below this: four fixed balls
 constexpr double kCloser = 1e-10;  // what the closest ball gains over them counts from here on, relative to R
 
+constexpr double kRounding = 1e-14;
+
 /// Calls add(direction, feature) for the balls of the circle to look at; `toward`: where the closest lies, of
 /// length rho; gap(direction): its distance, up to a constant.
 template <class Gap, class Add>
@@ -43,8 +45,8 @@ void add_contacts(const SphereShape& sphere, const Pose& sphere_pose, const Toru
       [&](const Vector3d& direction) { return (torus.major * direction - centre).norm(); },
       [&](const Vector3d& direction, std::uint32_t feature) {
         const Vector3d on_circle = pose.position + pose.rotation * (torus.major * direction);
-        add_balls(sphere_pose.position, sphere.radius, on_circle, torus.minor, -pose.rotation.col(2), feature,
-                  sink);
+        add_balls(sphere_pose.position, sphere.radius, on_circle, torus.minor, -pose.rotation.col(2),
+                  kRounding * torus.major, feature, sink);
       });
 }
 

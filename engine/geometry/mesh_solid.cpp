@@ -10,6 +10,7 @@ namespace feder {
 namespace {
 
 constexpr double kCorner = 1e-4;  // of the size: as close as that to an edge every face there is as near
+constexpr double kBeyond = 0.02;  // of the size: how much further than the nearest another face may be
 constexpr double kConvex = 1e-6;  // sine of the dihedral angle from which an edge can touch
 constexpr double kRounding = 1e-12;
 
@@ -45,17 +46,24 @@ MeshSolid::MeshSolid(const BoxShape& box, const Pose& pose)
 
 SolidEdge MeshSolid::edge(int e) const {
   const MeshEdge& edge = mesh_.edges()[e];
-  SolidEdge out;
-  out.from = vertex(edge.a);
-  out.along = vertex(edge.b) - out.from;
+  SolidEdge out{vertex(edge.a), turned(local(edge.b) - local(edge.a)), 0.0};
   out.length = out.along.norm();
   out.along /= out.length;
-  out.normal = turned(mesh_.edge_normals()[e]);
-  const Vector3d left = turned(mesh_.face_normals()[edge.left]),
-                 right = turned(mesh_.face_normals()[edge.right]);
-  out.beside = {left.cross(out.along), out.along.cross(right)};
-  out.convex = out.beside[0].dot(right) < -kConvex;
   return out;
+}
+
+bool MeshSolid::convex(int e) const {
+  const MeshEdge& edge = mesh_.edges()[e];
+  const Vector3d along = local(edge.b) - local(edge.a);
+  return mesh_.face_normals()[edge.left].cross(mesh_.face_normals()[edge.right]).dot(along) >
+         kConvex * along.norm();
+}
+
+std::array<Vector3d, 2> MeshSolid::beside(int e) const {
+  const MeshEdge& edge = mesh_.edges()[e];
+  const Vector3d along = (local(edge.b) - local(edge.a)).normalized();
+  return {turned(mesh_.face_normals()[edge.left].cross(along)),
+          turned(along.cross(mesh_.face_normals()[edge.right]))};
 }
 
 Aabb MeshSolid::bounds_in(const MeshSolid& other, double margin) const {
@@ -83,23 +91,37 @@ std::optional<SolidPoint> MeshSolid::nearest(const Vector3d& x, const Vector3d& 
   Vector3d on_surface;
   SolidPoint out = box_ ? nearest_of_box(p, on_surface) : nearest_of_mesh(p, on_surface);
   if (out.distance > margin) return std::nullopt;
-  // near an edge: the face against the other solid
-  const double corner = kCorner * size_;
-  if (!way.isZero(0.0) && std::abs(out.distance) <= corner) {
-    double least = out.outward.dot(way);
-    visit_triangles({on_surface.array() - corner, on_surface.array() + corner}, [&](int t) {
-      const Vector3d& normal = mesh_.face_normals()[t];
-      if (!(normal.dot(way) < least - kRounding)) return;
-      const auto& [a, b, c] = mesh_.mesh().triangles[t];
-      if (closest_point({local(a), local(b), local(c)}, on_surface).distance_squared > corner * corner)
-        return;
-      least = normal.dot(way);
-      out = {normal, normal.dot(p - local(a))};
-    });
-  }
+  if (!way.isZero(0.0)) face_other(p, way, on_surface, out);
   if (out.distance > margin || (out.distance > 0.0 && out.outward.dot(way) > 0.0)) return std::nullopt;
   out.outward = turned(out.outward);
   return out;
+}
+
+// Near an edge the nearest face may be one that the other solid does not come from. Of the faces as near as
+// it: the one most against `way`. Inside, where none is: of those not much further the nearest that is.
+void MeshSolid::face_other(const Vector3d& p, const Vector3d& way, const Vector3d& on_surface,
+                           SolidPoint& out) const {
+  const auto visit_near = [&](const Vector3d& x, double reach, auto&& visit) {
+    visit_triangles({x.array() - reach, x.array() + reach}, [&](int t) {
+      const auto& [a, b, c] = mesh_.mesh().triangles[t];
+      const double away = std::sqrt(closest_point({local(a), local(b), local(c)}, x).distance_squared);
+      if (away <= reach) visit(mesh_.face_normals()[t], away, mesh_.face_normals()[t].dot(p - local(a)));
+    });
+  };
+  double facing = out.outward.dot(way);
+  if (std::abs(out.distance) <= kCorner * size_)
+    visit_near(on_surface, kCorner * size_, [&](const Vector3d& normal, double, double distance) {
+      if (!(normal.dot(way) < facing - kRounding)) return;
+      facing = normal.dot(way);
+      out = {normal, distance};
+    });
+  if (facing < 0.0 || out.distance > 0.0) return;
+  double least = std::numeric_limits<double>::infinity();
+  visit_near(p, kBeyond * size_ - out.distance, [&](const Vector3d& normal, double away, double distance) {
+    if (!(normal.dot(way) < 0.0 && away < least)) return;
+    least = away;
+    out = {normal, distance};
+  });
 }
 
 SolidPoint MeshSolid::nearest_of_mesh(const Vector3d& p, Vector3d& on_surface) const {

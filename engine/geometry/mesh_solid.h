@@ -18,9 +18,6 @@ struct SolidPoint {
 struct SolidEdge {
   Vector3d from, along;  ///< one end, unit vector to the other
   double length;
-  Vector3d normal;                 ///< pseudo-normal
-  std::array<Vector3d, 2> beside;  ///< unit, across the edge into the faces at it
-  bool convex;
 };
 
 /// A mesh in the world, or a box as a mesh: the cube of edge 2, stretched to its half edges. Keeps
@@ -36,6 +33,11 @@ class MeshSolid {
   Vector3d vertex(int v) const { return pose_.position + pose_.rotation * local(v); }
   Vector3d turned(const Vector3d& v) const { return pose_.rotation * v; }
   SolidEdge edge(int e) const;
+  /// Whether the solid is less than half of the space around an edge; a flat edge is not convex.
+  bool convex(int e) const;
+  Vector3d edge_normal(int e) const { return turned(mesh_.edge_normals()[e]); }
+  /// Across an edge into the faces at it; unit.
+  std::array<Vector3d, 2> beside(int e) const;
 
   /// A box around this solid in the axes of `other`, and around triangle t of `other` in axes of this one;
   /// `margin` larger [m].
@@ -55,6 +57,7 @@ class MeshSolid {
  private:
   Vector3d local(int v) const { return mesh_.mesh().vertices[v].cwiseProduct(stretch_); }
   Vector3d into(const Vector3d& x) const { return pose_.rotation.transpose() * (x - pose_.position); }
+  void face_other(const Vector3d& p, const Vector3d& way, const Vector3d& on_surface, SolidPoint& out) const;
   // The surface nearest to p, in axes of this solid.
   SolidPoint nearest_of_mesh(const Vector3d& p, Vector3d& on_surface) const;
   SolidPoint nearest_of_box(const Vector3d& p, Vector3d& on_surface) const;

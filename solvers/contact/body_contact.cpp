@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "engine/check.h"
+#include "engine/contacts.h"
+#include "engine/rotation.h"
 
 namespace feder {
 namespace {
@@ -14,10 +16,8 @@ namespace {
 Matrix3d inverse_mass_at_point(const ContactBody& body) {
   FEDER_CHECK(std::isfinite(body.inverse_mass) && body.inverse_mass >= 0.0, "inverse mass must be >= 0");
   FEDER_CHECK(body.inverse_inertia.allFinite() && body.arm.allFinite(), "inertia and arm must be finite");
-  const Vector3d& r = body.arm;
-  Matrix3d skew;
-  skew << 0.0, -r[2], r[1], r[2], 0.0, -r[0], -r[1], r[0], 0.0;
-  return body.inverse_mass * Matrix3d::Identity() + skew * body.inverse_inertia * skew.transpose();
+  const Matrix3d arm = skew(body.arm);
+  return body.inverse_mass * Matrix3d::Identity() + arm * body.inverse_inertia * arm.transpose();
 }
 
 Vector3d point_velocity(const ContactBody& body, const BodyVelocity& velocity) {
@@ -28,14 +28,7 @@ Vector3d point_velocity(const ContactBody& body, const BodyVelocity& velocity) {
 
 Matrix3d contact_axes(const Vector3d& normal) {
   FEDER_CHECK(std::abs(normal.norm() - 1.0) <= 1e-9, "a contact normal must be a unit vector");
-  // The first tangent is normal to the coordinate axis farthest from n.
-  int axis = 0;
-  normal.cwiseAbs().minCoeff(&axis);
-  Matrix3d axes;
-  axes.col(0) = normal.normalized();
-  axes.col(1) = axes.col(0).cross(Vector3d::Unit(axis)).normalized();
-  axes.col(2) = axes.col(0).cross(axes.col(1));
-  return axes;
+  return contact_frame(normal.normalized()).transpose();
 }
 
 Matrix3d contact_inverse_mass(const ContactBody& a, const ContactBody& b, const Matrix3d& axes) {

@@ -31,6 +31,8 @@ struct ContactOptions {
   double tolerance = 1e-10;  ///< of the violation, relative to the largest |b|
   int most_newton = 30;      ///< iterations between two rounds of sweeps
   int most_sweeps = 20000;   ///< of Gauss-Seidel in all
+  /// Of particles on what does not move, relative to the fastest velocity: far below the step's own error.
+  double held_tolerance = 1e-6;
 };
 
 struct ContactReport {

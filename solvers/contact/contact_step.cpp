@@ -6,11 +6,17 @@
 #include <cmath>
 #include <map>
 
+#include "solvers/contact/delassus.h"
+#include "solvers/stopwatch.h"
+
 namespace feder {
 namespace {
 
 // Penetration that is left alone: rounding of places the size of a shape.
 constexpr double kSlop = 1e-12;
+// Of particles on obstacles: passes over one step; a pass that gains less than this asks for a new factor.
+constexpr int kMostPasses = 100;
+constexpr double kContraction = 0.5;
 
 }  // namespace
 
@@ -29,7 +35,8 @@ void ContactStep::set_targets(double dt, const State& state) {
 }
 
 // Impulses of the last step for those contacts that are still there.
-void ContactStep::start_from(const History& history) {
+void ContactStep::start_from(double dt, const History& history) {
+  const double scale = history.last_dt > 0.0 ? dt / history.last_dt : 1.0;
   std::map<std::tuple<int, int, std::uint32_t>, Vector3d> last;
   for (int i = 0; i + 6 <= history.contacts.size(); i += 6)
     last[{static_cast<int>(history.contacts[i]), static_cast<int>(history.contacts[i + 1]),
@@ -37,7 +44,10 @@ void ContactStep::start_from(const History& history) {
   impulse_.setZero(3 * rows_.count());
   for (int i = 0; i < rows_.count(); ++i)
     if (const auto found = last.find(rows_.contacts[i].key()); found != last.end())
-      impulse_.segment<3>(3 * i) = rows_.contacts[i].frame * found->second;
+      impulse_.segment<3>(3 * i) = scale * (rows_.contacts[i].frame * found->second);
+  free_impulse_.resize(3 * static_cast<Eigen::Index>(free_.size()));
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    free_impulse_.segment<3>(3 * static_cast<int>(i)) = impulse_.segment<3>(3 * free_[i]);
 }
 
 void ContactStep::remember(History& history) const {
@@ -59,71 +69,125 @@ double ContactStep::work(const VectorXd& v) const {
   return impulse_.dot(u);
 }
 
-Status ContactStep::solve(double dt, const State& state, const History& history, Kkt& kkt,
-                          LinearSolver& solver, VectorXd& v, VectorXd& y, SolveReport& report) {
-  pushed_ = false;
-  finder_.find(state, dt, rows_);
-  if (Status status = solver.factor(kkt); !status.ok()) return status;
-  report = solver.solve(kkt, v, y);
-  const int k = rows_.count();
-  impulse_.setZero(3 * k);
-  if (!report.status.ok() || k == 0) return report.status;
-  ++counts_.steps;
-  counts_.contacts += k;
-
-  // W column by column, b = J v* less the target
-  set_targets(dt, state);
-  responses_.resize(v.size(), 3 * k);
-  problem_.W.resize(3 * k, 3 * k);
-  VectorXd unit = VectorXd::Zero(3 * k);
-  for (int i = 0; i < 3 * k; ++i) {
-    force_.setZero(v.size());
-    unit[i] = 1.0;
-    rows_.add_impulses(unit, force_);
-    unit[i] = 0.0;
-    solver.respond(kkt, force_, column_);
-    responses_.col(i) = column_;
-    rows_.multiply(column_, velocity_);
-    problem_.W.col(i) = velocity_;
-  }
-  problem_.W = (0.5 * (problem_.W + problem_.W.transpose())).eval();
-  rows_.velocities(v, problem_.b);
+// The contact law of those that act through W, on top of v = A^-1 [p; r]; their impulses join p.
+Status ContactStep::solve_free(Kkt& kkt, LinearSolver& solver, bool factored, VectorXd& v, VectorXd& y,
+                               SolveReport& report) {
+  const int k = free_rows_.count();
+  if (k == 0) return {};
+  if (factored)
+    delassus_matrix(
+        free_rows_, [&](const VectorXd& force, VectorXd& answer) { solver.respond(kkt, force, answer); },
+        v.size(), responses_, problem_.W);
+  free_rows_.velocities(v, problem_.b);
   problem_.friction.resize(k);
   for (int i = 0; i < k; ++i) {
-    problem_.b[3 * i] -= target_[i];
-    problem_.friction[i] = rows_.contacts[i].surface.friction;
+    problem_.b[3 * i] -= target_[free_[i]];
+    problem_.friction[i] = free_rows_.contacts[i].surface.friction;
   }
-  start_from(history);
-  const ContactReport law = solve_contacts(problem_, options_, impulse_);
+  const ContactReport law = solve_contacts(problem_, options_, free_impulse_);
   counts_.newton_iterations += law.newton_iterations;
   counts_.sweeps += law.sweeps;
   if (!law.status.ok()) return law.status;
   const double size = problem_.b.lpNorm<Eigen::Infinity>();
   if (size > 0.0) counts_.violation = std::max(counts_.violation, law.violation / size);
-
-  // the step itself, certified
-  rows_.add_impulses(impulse_, kkt.p);
-  report = solver.solve(kkt, v, y);
-  return report.status.ok() ? push_out(dt, v) : report.status;
+  free_rows_.add_impulses(free_impulse_, kkt.p);
+  report = solver.solve(kkt, v, y);  // certified
+  return report.status;
 }
 
-// Frictionless impulses on places alone: gap + dt u_n + dt (W pi)_n >= 0 where something penetrates.
+Status ContactStep::solve(double dt, const State& state, const History& history, Kkt& kkt,
+                          LinearSolver& solver, VectorXd& v, VectorXd& y, SolveReport& report) {
+  pushed_ = false;
+  p_ = kkt.p;
+  {
+    const Stopwatch watch(counts_.seconds_find);
+    finder_.find(state, dt, rows_);
+    held_.take(*system_, rows_, free_);
+    free_rows_ = rows_.subset(free_);
+    set_targets(dt, state);
+    start_from(dt, history);
+  }
+  const int k = rows_.count();
+  counts_.steps += k > 0;
+  counts_.contacts += k;
+  if (!held_.empty() || held_.used()) {
+    const Stopwatch watch(counts_.seconds_solve);
+    held_.start(dt, kkt, rows_, target_, impulse_, state.v);
+    held_.put_into(kkt, rows_);
+    held_.add_right_hand_side(rows_, kkt.p);
+  }
+  {
+    const Stopwatch watch(counts_.seconds_own);
+    if (Status status = solver.factor(kkt); !status.ok()) return status;
+    report = solver.solve(kkt, v, y);
+  }
+  if (!report.status.ok() || k == 0) return report.status;
+
+  const Stopwatch watch(counts_.seconds_solve);
+  bool factored = true;
+  double before = HUGE_VAL;
+  for (int pass = 0;; ++pass) {
+    if (Status status = solve_free(kkt, solver, factored, v, y, report); !status.ok()) return status;
+    if (held_.empty()) break;
+    const int left = held_.update(rows_, v);
+    const double scale = std::max(v.lpNorm<Eigen::Infinity>(), state.v.lpNorm<Eigen::Infinity>());
+    if (left == 0 && held_.violation() <= options_.held_tolerance * scale) {
+      counts_.violation = std::max(counts_.violation, scale > 0.0 ? held_.violation() / scale : 0.0);
+      break;
+    }
+    if (pass == kMostPasses)
+      return Status::failure(StatusCode::kNotConverged,
+                             "particles on obstacles leave the contact law open by " +
+                                 std::to_string(held_.violation()) + " m/s after " + std::to_string(pass) +
+                                 " passes");
+    // the same factor serves until a contact changes its branch or slips turn too far
+    factored = left > 0 || held_.violation() > kContraction * before;
+    before = held_.violation();
+    if (factored) held_.put_into(kkt, rows_);
+    kkt.p = p_;
+    held_.add_right_hand_side(rows_, kkt.p);
+    if (factored) {
+      ++counts_.factorizations;
+      if (Status status = solver.factor(kkt); !status.ok()) return status;
+    }
+    ++counts_.passes;
+    report = solver.solve(kkt, v, y);
+    if (!report.status.ok()) return report.status;
+  }
+  held_.impulses(impulse_);
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    impulse_.segment<3>(3 * free_[i]) = free_impulse_.segment<3>(3 * static_cast<int>(i));
+  return push_out(dt, v);
+}
+
+// What penetrates: particles held by obstacles are set onto them; the others take frictionless impulses on
+// places alone, gap + dt u_n + dt (W pi)_n >= 0.
 Status ContactStep::push_out(double dt, const VectorXd& v) {
   rows_.velocities(v, velocity_);
-  ContactProblem places{problem_.W, VectorXd::Zero(3 * rows_.count()), VectorXd::Zero(rows_.count())};
-  for (int i = 0; i < rows_.count(); ++i) {
-    const Contact& contact = rows_.contacts[i];
-    const double size = contact.at.point.lpNorm<Eigen::Infinity>();
-    pushed_ = pushed_ || contact.at.gap + dt * velocity_[3 * i] < -kSlop * (1.0 + size);
-    places.b[3 * i] = contact.at.gap / dt + velocity_[3 * i];
-  }
+  const auto open = [&](int i) { return rows_.contacts[i].at.gap / dt + velocity_[3 * i]; };
+  const auto penetrates = [&](int i) {
+    return dt * open(i) < -kSlop * (1.0 + rows_.contacts[i].at.point.lpNorm<Eigen::Infinity>());
+  };
+  bool free = false;
+  for (int i : free_) free = free || penetrates(i);
+  for (int i : held_.taken()) pushed_ = pushed_ || penetrates(i);
+  pushed_ = pushed_ || free;
   if (!pushed_) return {};
   ++counts_.corrections;
-  VectorXd pi = VectorXd::Zero(3 * rows_.count());
+  place_velocity_ = v;
+  for (int i : held_.taken()) {
+    if (!penetrates(i)) continue;
+    const ContactRows::Block& block = rows_.blocks[rows_.contacts[i].first_block];
+    place_velocity_.segment<3>(3 * block.node) -= open(i) * block.J.row(0).transpose();
+  }
+  if (!free) return {};
+  ContactProblem places{problem_.W, VectorXd::Zero(problem_.b.size()), VectorXd::Zero(problem_.count())};
+  for (int i = 0; i < places.count(); ++i) places.b[3 * i] = open(free_[i]);
+  VectorXd pi = VectorXd::Zero(places.b.size());
   const ContactReport law = solve_contacts(places, options_, pi);
   counts_.newton_iterations += law.newton_iterations;
   counts_.sweeps += law.sweeps;
-  place_velocity_ = v + responses_ * pi;
+  place_velocity_ += responses_ * pi;
   return law.status;
 }
 

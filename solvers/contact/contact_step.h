@@ -4,19 +4,24 @@
 
 #include "engine/contacts.h"
 #include "solvers/contact/contact_problem.h"
+#include "solvers/contact/held_contacts.h"
 #include "solvers/linear/linear_solver.h"
 
 namespace feder {
 
 /// What contacts cost and did since prepare().
 struct ContactCounts {
-  long steps = 0;     ///< with at least one contact row
-  long contacts = 0;  ///< rows / 3, summed over steps
-  long newton_iterations = 0, sweeps = 0;
-  long factorizations = 0;  ///< of the step matrix, beyond the one every step has
-  long corrections = 0;     ///< steps whose penetration was pushed out
-  double deepest = 0.0;     ///< penetration met [m]
-  double violation = 0.0;   ///< worst relative violation of the law that was accepted
+  long steps = 0;                          ///< with at least one contact row
+  long contacts = 0;                       ///< rows / 3, summed over steps
+  long newton_iterations = 0, sweeps = 0;  ///< of the contact law on the Delassus matrix
+  long passes = 0;                         ///< solves that held contacts took beyond the step's own
+  long factorizations = 0;                 ///< of the step matrix beyond the step's own
+  long corrections = 0;                    ///< steps whose penetration was pushed out
+  double deepest = 0.0;                    ///< penetration met [m]
+  double violation = 0.0;      ///< worst violation of the law that was accepted, relative to the largest |b|
+  double seconds_own = 0.0;    ///< the step's own factorisation and solve
+  double seconds_find = 0.0;   ///< finding contacts
+  double seconds_solve = 0.0;  ///< everything else beyond the step's own factorisation and solve
 };
 
 /// Contacts of an implicit step, on top of the step matrix A of the system's own rows. With v* = A^-1 [p; r]
@@ -38,6 +43,9 @@ class ContactStep {
   const VectorXd& place_velocity(const VectorXd& v) const { return pushed_ ? place_velocity_ : v; }
   /// Impulses of the step, for the next one's start.
   void remember(History& history) const;
+  /// p without what contacts added, for the ledger [N s]; v.B v of the blocks that hold particles [J].
+  const VectorXd& momentum() const { return p_; }
+  double block_work(const VectorXd& v) const { return held_.block_work(rows_, v); }
   double work(const VectorXd& v) const;  ///< of the contacts, y.(J v') [J]
 
   const ContactRows& rows() const { return rows_; }
@@ -50,17 +58,21 @@ class ContactStep {
 
  private:
   void set_targets(double dt, const State& state);
-  void start_from(const History& history);
+  void start_from(double dt, const History& history);
+  Status solve_free(Kkt& kkt, LinearSolver& solver, bool factored, VectorXd& v, VectorXd& y,
+                    SolveReport& report);
   Status push_out(double dt, const VectorXd& v);
 
   const System* system_;
   ContactFinder finder_;
   ContactOptions options_;
-  ContactRows rows_;
+  ContactRows rows_, free_rows_;  // all, and those that go through W
+  std::vector<int> free_;         // their places among all
+  HeldContacts held_;
   ContactProblem problem_;
-  Eigen::MatrixXd responses_;  // A^-1 J^T
+  Eigen::MatrixXd responses_;  // A^-1 J^T of the free ones
   VectorXd target_;            // least normal velocity per contact [m/s]
-  VectorXd impulse_, velocity_, force_, column_, place_velocity_;
+  VectorXd impulse_, free_impulse_, velocity_, place_velocity_, p_;
   bool pushed_ = false;
   ContactCounts counts_;
 };

@@ -25,12 +25,28 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-15;
 constexpr double kClosed = 1e-14;  // below this fraction of tr W a direction does not move
 
-// Where f, of opposite signs at the ends, changes sign; the result lies on the side of `high`.
+// Where f, of opposite signs at the ends, changes sign; the result lies on the side of `high`. Secants whose
+// kept end counts half (Illinois), and halving where they leave the bracket.
 template <class Function>
 double crossing(const Function& f, double low, double high) {
-  const bool positive = f(high) > 0.0;
-  for (double middle = 0.5 * (low + high); low < middle && middle < high; middle = 0.5 * (low + high))
-    ((f(middle) > 0.0) == positive ? high : low) = middle;
+  double at_low = f(low), at_high = f(high);
+  const double smallest = 0.1 * kRounding * high;
+  const bool positive = at_high > 0.0;
+  for (int kept = 0; high - low > smallest;) {
+    double x = (low * at_high - high * at_low) / (at_high - at_low);
+    if (!(low < x && x < high)) x = 0.5 * (low + high);
+    if (!(low < x && x < high)) break;
+    const double value = f(x);
+    if ((value > 0.0) == positive) {
+      high = x, at_high = value;
+      if (kept == 1) at_low *= 0.5;
+      kept = 1;
+    } else {
+      low = x, at_low = value;
+      if (kept == -1) at_high *= 0.5;
+      kept = -1;
+    }
+  }
   return high;
 }
 

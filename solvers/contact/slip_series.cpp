@@ -13,12 +13,11 @@ namespace {
 
 constexpr double kTruncation = 1e-17;  // last term against the first
 
-// Coefficient k of a b.
-double product(const SlipSeries::Series& a, const SlipSeries::Series& b, int k) {
-  double out = 0.0;
-  for (int i = 0; i <= k; ++i) out += a[i] * b[k - i];
+constexpr SlipSeries::Series kInverse = [] {
+  SlipSeries::Series out{};
+  for (int k = 0; k <= SlipSeries::kOrder; ++k) out[k] = 1.0 / (k + 1);
   return out;
-}
+}();
 
 }  // namespace
 
@@ -43,10 +42,16 @@ SlipSeries::SlipSeries(const SlipFlow& flow, const Vector3d& u) {
     slip_[0][k + 1] = next[0];
     slip_[1][k + 1] = next[1];
     normal_velocity_[k + 1] = flow.approach(slip, speed_[k]) / (k + 1);
-    // |s| from |s|^2 = s.s; speed_[k + 1] is still 0 in the product.
-    square_[k + 1] = product(slip_[0], slip_[0], k + 1) + product(slip_[1], slip_[1], k + 1);
-    speed_[k + 1] = (square_[k + 1] - product(speed_, speed_, k + 1)) / (2.0 * speed_[0]);
-    power_[k + 1] = product(normal_velocity_, speed_, k + 1);
+    // |s| from |s|^2 = s.s; in the sums speed_[k + 1] is still 0.
+    double square = 0.0, known = 0.0, power = 0.0;
+    for (int i = 0, j = k + 1; j >= 0; ++i, --j) {
+      square += slip_[0][i] * slip_[0][j] + slip_[1][i] * slip_[1][j];
+      known += speed_[i] * speed_[j];
+      power += normal_velocity_[i] * speed_[j];
+    }
+    square_[k + 1] = square;
+    speed_[k + 1] = (square - known) / (2.0 * speed_[0]);
+    power_[k + 1] = power + normal_velocity_[0] * speed_[k + 1];
   }
   // At most four times the fastest rate, where a slip has no higher terms.
   step_ = 4.0 / flow.largest_rate;
@@ -64,7 +69,7 @@ double SlipSeries::sum(const Series& a, double tau) {
 
 double SlipSeries::integral(const Series& a, double tau) {
   double out = 0.0;
-  for (int k = kOrder; k >= 0; --k) out = out * tau + a[k] / (k + 1);
+  for (int k = kOrder; k >= 0; --k) out = out * tau + a[k] * kInverse[k];
   return out * tau;
 }
 

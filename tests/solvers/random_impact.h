@@ -22,9 +22,9 @@ inline Matrix3d random_rotation(Random& random) {
   return Eigen::Quaterniond(Eigen::Vector4d(random.numbers(4))).normalized().toRotationMatrix();
 }
 
-/// A box, thin or thick, touched at a corner, on an edge or on a face.
-inline ContactBody random_box(Random& random) {
-  const Vector3d edges = random.vector().unaryExpr([](double x) { return std::pow(10.0, x); });
+/// A box with edges between 10^-spread and 10^spread, touched at a corner, on an edge or on a face.
+inline ContactBody random_box(Random& random, double spread) {
+  const Vector3d edges = random.vector(spread).unaryExpr([](double x) { return std::pow(10.0, x); });
   const MassProperties box = solid_box("box", std::pow(10.0, random.uniform()), edges);
   const Matrix3d turn = random_rotation(random);
   Vector3d point;
@@ -34,10 +34,10 @@ inline ContactBody random_box(Random& random) {
 }
 
 /// Two boxes, or a box on the stationary world, approaching; half of them hardly slipping.
-inline BodyPair random_pair(Random& random) {
+inline BodyPair random_pair(Random& random, double spread = 1.0) {
   BodyPair out;
-  if (random.below(2)) out.a = random_box(random);
-  out.b = random_box(random);
+  if (random.below(2)) out.a = random_box(random, spread);
+  out.b = random_box(random, spread);
   if (out.a.inverse_mass > 0.0) out.velocity_a = {random.vector(), random.vector(3.0)};
   out.velocity_b = {random.vector(), random.vector(3.0)};
   out.axes = contact_axes(random.vector().normalized());

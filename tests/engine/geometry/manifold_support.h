@@ -34,7 +34,7 @@ inline std::vector<ContactPoint> contacts(const Shape& a, const Pose& pose_a, co
   return out;
 }
 
-inline const ContactPoint& deepest(const std::vector<ContactPoint>& points) {
+inline ContactPoint deepest(const std::vector<ContactPoint>& points) {
   return *std::min_element(points.begin(), points.end(),
                            [](const ContactPoint& x, const ContactPoint& y) { return x.gap < y.gap; });
 }
@@ -78,6 +78,21 @@ inline double support(const Shape& shape, const Pose& pose, const Vector3d& n) {
 inline double separation(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b,
                          const Vector3d& n) {
   return -support(b, pose_b, -n) - support(a, pose_a, n);
+}
+
+/// Whether two manifolds differ in their features, and otherwise how far their points and gaps are apart.
+struct Change {
+  bool features = false;
+  double point = 0.0, gap = 0.0;
+};
+inline Change difference(const std::vector<ContactPoint>& before, const std::vector<ContactPoint>& after) {
+  Change out{before.size() != after.size()};
+  for (std::size_t k = 0; k < before.size() && !out.features; ++k) {
+    out.features = before[k].feature != after[k].feature;
+    out.point = std::max(out.point, (before[k].point - after[k].point).norm());
+    out.gap = std::max(out.gap, std::abs(before[k].gap - after[k].gap));
+  }
+  return out;
 }
 
 inline std::shared_ptr<const CollisionMesh> box_surface(const Vector3d& half) {
