@@ -5,14 +5,20 @@
 #include "engine/check.h"
 #include "models/asymmetric_top.h"
 #include "models/bending_rod.h"
+#include "models/bouncing_ball.h"
 #include "models/chain.h"
 #include "models/cloth.h"
+#include "models/cloth_drop.h"
+#include "models/cradle.h"
 #include "models/damped_oscillator.h"
 #include "models/double_pendulum.h"
+#include "models/drop.h"
 #include "models/flexible_linkage.h"
 #include "models/four_bar.h"
 #include "models/hanging_chain.h"
 #include "models/heavy_top.h"
+#include "models/incline.h"
+#include "models/ladder.h"
 #include "models/lattice.h"
 #include "models/n_pendulum.h"
 #include "models/oscillator.h"
@@ -21,8 +27,10 @@
 #include "models/plate_bridge.h"
 #include "models/plate_net.h"
 #include "models/rigid_chain.h"
+#include "models/rolling_ball.h"
 #include "models/slider_crank.h"
 #include "models/spring_pendulum.h"
+#include "models/stack.h"
 #include "models/taut_string.h"
 
 namespace feder {
@@ -35,6 +43,8 @@ const std::vector<ModelInfo>& catalog() {
       cloth_model(),        lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
       plate_bridge_model(), plate_net_model(),         heavy_top_model(),      double_pendulum_model(),
       n_pendulum_model(),   four_bar_model(),          slider_crank_model(),   flexible_linkage_model(),
+      incline_model(),      rolling_ball_model(),      ladder_model(),         stack_model(),
+      drop_model(),         bouncing_ball_model(),     cradle_model(),         cloth_drop_model(),
   };
   return list;
 }

@@ -31,18 +31,20 @@ double cloth_springs(int count) {
   return 2.0 * n * (n - 1.0) + 2.0 * (n - 1.0) * (n - 1.0) + 2.0 * n * (n - 2.0);
 }
 
-Model make_cloth(const Cloth& o) {
+int add_cloth(SystemBuilder& builder, const Cloth& o, const Vector3d& at, bool pinned) {
   check_fields("model cloth", fields(), o);
   const int n = o.n;
   require_count("model cloth", "nodes n^2", static_cast<double>(n) * n, kMaxNodes);
   require_count("model cloth", "springs", cloth_springs(n), kMaxRows);
 
-  SystemBuilder builder;
+  int first = -1;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      const bool corner = i == 0 && (j == 0 || j == n - 1);
-      builder.add_particle(o.mass / (n * n), {i * o.edge / (n - 1), 0.0, j * o.edge / (n - 1)},
-                           Vector3d::Zero(), corner ? kPinned : kFree);
+      const bool corner = pinned && i == 0 && (j == 0 || j == n - 1);
+      const Anchor node = builder.add_particle(o.mass / (n * n),
+                                               at + Vector3d(i * o.edge / (n - 1), 0.0, j * o.edge / (n - 1)),
+                                               Vector3d::Zero(), corner ? kPinned : kFree);
+      if (first < 0) first = node.node;
     }
 
   // rest lengths as placed
@@ -56,9 +58,16 @@ Model make_cloth(const Cloth& o) {
     for (int i = 0; i + s.di < n; ++i)
       for (int j = 0; j < n; ++j)
         if (j + s.dj >= 0 && j + s.dj < n)
-          builder.add_distance({i * n + j}, {(i + s.di) * n + j + s.dj}, {s.stiffness, o.damping_time});
+          builder.add_distance({first + i * n + j}, {first + (i + s.di) * n + j + s.dj},
+                               {s.stiffness, o.damping_time});
   builder.set_gravity({0.0, -o.gravity, 0.0});
   builder.set_drag(o.drag);
+  return first;
+}
+
+Model make_cloth(const Cloth& o) {
+  SystemBuilder builder;
+  add_cloth(builder, o, Vector3d::Zero(), true);
   auto [system, state] = builder.build();
 
   Model model{"cloth", std::move(system), std::move(state)};

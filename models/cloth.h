@@ -17,6 +17,10 @@ struct Cloth {
   double drag = 0.0;             ///< per node [kg/s]
 };
 
+/// The nodes and springs of a cloth whose first corner is at `corner`, on `builder`; drag and gravity too.
+/// Returns its first node.
+int add_cloth(SystemBuilder& builder, const Cloth& options, const Vector3d& corner, bool pinned);
+
 /// Springs of the cloth: 2 n (n-1) structural, 2 (n-1)^2 shear, 2 n (n-2) bend.
 double cloth_springs(int n);
 

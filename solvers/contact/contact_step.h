@@ -50,6 +50,8 @@ class ContactStep {
 
   const ContactRows& rows() const { return rows_; }
   const VectorXd& impulses() const { return impulse_; }  ///< 3 per contact, in its frame [N s]
+  /// The contact law of the last step, to be solved by other means.
+  const ContactProblem& problem() const { return problem_; }
   const ContactCounts& counts() const { return counts_; }
   ContactOptions& options() { return options_; }
   double threshold = 1e-2;  ///< approach below which a contact does not rebound [m/s]
