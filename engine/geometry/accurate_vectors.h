@@ -8,11 +8,16 @@
 
 namespace feder {
 
-/// a b - c d to 1.5 units in the last place, exactly 0 where a b = c d (Kahan; Jeannerod, Louvet and Muller
-/// 2013).
+/// a b - c d to two units in the last place, exactly 0 where a b = c d, exactly the opposite of c d - a b.
+/// Products and the difference of their rounding errors are exact (Dekker, Knuth); after Kahan's formula,
+/// which is not antisymmetric.
 inline double difference_of_products(double a, double b, double c, double d) {
-  const double product = c * d;
-  return std::fma(a, b, -product) + std::fma(-c, d, product);
+  const double ab = a * b, cd = c * d;
+  const double error_ab = std::fma(a, b, -ab), error_cd = std::fma(c, d, -cd);
+  const double error = error_ab - error_cd;
+  const double part = error - error_ab;
+  const double rest = (error_ab - (error - part)) - (error_cd + part);
+  return ((ab - cd) + error) + rest;
 }
 
 inline Vector3d accurate_cross(const Vector3d& a, const Vector3d& b) {

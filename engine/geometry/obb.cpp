@@ -31,7 +31,7 @@ Obb box_along(const Matrix3d& axes, std::span<const Vector3d> points) {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   const double size = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
   const double padding =
-      16.0 * kEpsilon * size + (size > 0.0 ? 2.0 * kEpsilon * centre.cwiseAbs().maxCoeff() : 0.0);
+      8.0 * kEpsilon * size + (size > 0.0 ? 2.0 * kEpsilon * centre.cwiseAbs().maxCoeff() : 0.0);
   return {centre, axes, (0.5 * (high - low)).array() + padding};
 }
 

@@ -43,11 +43,8 @@ struct Feature {
   Vector3d direction = Vector3d::Zero();
 };
 
-double determinant(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  return accurate_cross(a, b).dot(c);
-}
-
-// Fills in the rest from the corners; false if 0 is over the boundary, which belongs to a smaller simplex.
+// Fills in the rest from the corners; false if 0 is beside the simplex, by more than the rounding of the
+// corners.
 bool measure(Feature& f) {
   const Vector3d &w0 = f.corner[0].w, &w1 = f.corner[1].w, &w2 = f.corner[2].w, &w3 = f.corner[3].w;
   if (f.size == 1) {
@@ -61,33 +58,41 @@ bool measure(Feature& f) {
     f.weight = {w1.dot(e), -w0.dot(e)};
     f.distance = across.norm() / e.norm();
     f.direction = accurate_cross(across, e);
-    return f.weight[0] > 0.0 && f.weight[1] > 0.0;
+    const double rounding = kRounding * e.norm();
+    return f.weight[0] > -rounding * w1.norm() && f.weight[1] > -rounding * w0.norm();
   }
+  const Vector3d s0 = accurate_cross(w1, w2), s1 = accurate_cross(w2, w0), s2 = accurate_cross(w0, w1);
   if (f.size == 3) {
     const Vector3d n = accurate_cross(w1 - w0, w2 - w0);
-    const double height = n.dot(w0);
-    f.weight = {determinant(w1, w2, n), determinant(w2, w0, n), determinant(w0, w1, n)};
+    const double height = n.dot(w0), rounding = kRounding * n.norm();
+    f.weight = {s0.dot(n), s1.dot(n), s2.dot(n)};
     f.distance = std::abs(height) / n.norm();
     f.direction = height < 0.0 ? Vector3d(-n) : n;
-    return f.weight[0] > 0.0 && f.weight[1] > 0.0 && f.weight[2] > 0.0;
+    return f.weight[0] > -rounding * s0.norm() && f.weight[1] > -rounding * s1.norm() &&
+           f.weight[2] > -rounding * s2.norm();
   }
-  // 0 within a tetrahedron that is not flat to rounding
-  f.weight = {determinant(w1, w2, w3), -determinant(w0, w2, w3), determinant(w0, w1, w3),
-              -determinant(w0, w1, w2)};
+  // 0 within a tetrahedron, by more than rounding: otherwise it is on a face
+  f.weight = {s0.dot(w3), s1.dot(w3), s2.dot(w3), -s2.dot(w2)};
   f.distance = 0.0;
-  const double sign = f.weight[0] < 0.0 ? -1.0 : 1.0;
-  for (double& weight : f.weight) weight *= sign;
-  return *std::min_element(f.weight.begin(), f.weight.end()) > kRounding;
+  if (f.weight[0] < 0.0)
+    for (double& weight : f.weight) weight = -weight;
+  const double rounding = kRounding * w3.norm();
+  return f.weight[0] > rounding * s0.norm() && f.weight[1] > rounding * s1.norm() &&
+         f.weight[2] > rounding * s2.norm() && f.weight[3] > kRounding * s2.norm() * w2.norm();
 }
 
-// The face of the simplex closest to 0.
+// The face of the simplex closest to 0 that has its last corner, which is the one 0 was missing. Of those
+// that are equally close the largest: its direction sees all their corners, so that none is dropped only to
+// be found again.
 Feature closest_feature(const std::array<Corner, 4>& corner, int size) {
   Feature best;
-  for (int subset = 1; subset < 1 << size; ++subset) {
+  for (int others = 0; others < 1 << (size - 1); ++others) {
     Feature f;
     for (int k = 0; k < size; ++k)
-      if (subset >> k & 1) f.corner[f.size++] = corner[k];
-    if (measure(f) && f.distance < best.distance) best = f;
+      if (k == size - 1 || others >> k & 1) f.corner[f.size++] = corner[k];
+    if (!measure(f)) continue;
+    const double closer = best.distance - f.distance;
+    if (closer > kRounding || (closer > -kRounding && f.size > best.size)) best = f;
   }
   return best;
 }
@@ -144,7 +149,7 @@ ConvexSeparation separation(std::span<const Vector3d> a, std::span<const Vector3
     std::array<Corner, 4> simplex = nearest.corner;
     simplex[nearest.size] = next;
     const Feature nearer = closest_feature(simplex, nearest.size + 1);
-    if (nearer.distance >= nearest.distance) break;
+    if (nearer.distance > nearest.distance + kRounding) break;
     nearest = nearer;
   }
 

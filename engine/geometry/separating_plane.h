@@ -8,11 +8,13 @@ namespace feder {
 
 /// Two convex polytopes A and B, each the hull of its points.
 struct ConvexSeparation {
-  bool overlap = true;                  ///< no gap above 1e-14 of the pair's size; touching is overlap
-  double distance = 0.0;                ///< 0 if they overlap [m]
-  Vector3d point_a = Vector3d::Zero();  ///< the closest points; equal, and in both hulls, if they overlap [m]
+  bool overlap = true;    ///< no gap above 1e-14 of the pair's size; touching is overlap
+  double distance = 0.0;  ///< 0 if they overlap [m]
+  Vector3d point_a =
+      Vector3d::Zero();  ///< the closest points; if they overlap, a common one to 1e-9 of the size [m]
   Vector3d point_b = Vector3d::Zero();
-  /// If disjoint: normal . (x - point) < 0 for all x of A, > 0 for all of B; otherwise the normal is 0.
+  /// If disjoint: normal . (x - point) < 0 for all x of A, > 0 for all of B, as far as the last bit of
+  /// `point` allows; otherwise the normal is 0.
   Vector3d normal = Vector3d::Zero();  ///< unit, from A to B
   Vector3d point = Vector3d::Zero();   ///< [m]
 };

@@ -22,6 +22,9 @@ namespace feder {
 namespace {
 
 using std::numbers::pi;
+
+// Of the size of a pair: touching tori overlap.
+constexpr double kRounding = 1e-14;
 using Complex = std::complex<double>;
 
 // sum over |k| <= degree of coefficient[k + degree] e^(i k t)
@@ -108,7 +111,7 @@ double minimum_between(const Pair& pair, double low, double high) {
 }
 
 double closest_angle(const Pair& pair) {
-  constexpr int kEven = 16;
+  constexpr int kEven = 64;
   std::vector<double> angle;
   for (int k = 0; k < kEven; ++k) angle.push_back(pi * (2.0 * k / kEven - 1.0));
   append_root_angles(pair.critical(), angle);
@@ -149,6 +152,10 @@ Matrix3d axes_of(const Circle& circle) {
 CircleDistance distance(const Circle& a, const Circle& b) {
   check(a);
   check(b);
+  if (b.radius > a.radius) {  // the smaller one is walked along
+    const CircleDistance turned = distance(b, a);
+    return {turned.distance, turned.point_b, turned.point_a};
+  }
   const double size = (b.centre - a.centre).norm() + a.radius + b.radius;
   if (size == 0.0) return {0.0, a.centre, b.centre};
   const Matrix3d A = axes_of(a), B = axes_of(b);
@@ -169,7 +176,8 @@ double gap(const Torus& a, const Torus& b) {
 }
 
 bool overlap(const Torus& a, const Torus& b) {
-  return gap(a, b) <= 0.0;
+  const double size = (b.circle.centre - a.circle.centre).norm() + a.circle.radius + b.circle.radius;
+  return gap(a, b) <= kRounding * (size + a.minor + b.minor);
 }
 
 }  // namespace feder
