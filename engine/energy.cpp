@@ -53,7 +53,7 @@ Vector3d angular_momentum(const System& s, const State& state) {
 
 double EnergyLedger::magnitude() const {
   return std::abs(kinetic_change) + std::abs(row_change) + std::abs(external_work) + std::abs(drag_work) +
-         std::abs(row_work) + std::abs(geometric_work) + std::abs(numerical);
+         std::abs(row_work) + std::abs(geometric_work) + std::abs(numerical) + std::abs(contact_work);
 }
 
 }  // namespace feder

@@ -34,10 +34,12 @@ struct EnergyLedger {
   double row_work = 0.0;        ///< y.(J v'): what the rows gave to the velocities
   double geometric_work = 0.0;  ///< -dt^2 v'.Kg v'
   double numerical = 0.0;       ///< -1/2 |v'-v|_M^2, the numerical dissipation of implicit Euler
+  double contact_work = 0.0;    ///< of contacts: what rebounds give back less what friction takes
 
   /// d(kinetic) minus its sources: 0 up to rounding.
   double imbalance() const {
-    return kinetic_change - (external_work + drag_work + row_work + geometric_work + numerical);
+    return kinetic_change -
+           (external_work + drag_work + row_work + geometric_work + numerical + contact_work);
   }
   /// Sum of the magnitudes of all terms, the scale of `imbalance`.
   double magnitude() const;

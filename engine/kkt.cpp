@@ -288,6 +288,11 @@ void Kkt::set_geometric_stiffness(GeometricStiffness kind, double sigma, const S
   }
 }
 
+Eigen::Map<Matrix3d> Kkt::node_block(int stencil) {
+  geometric = true;
+  return Eigen::Map<Matrix3d>(geometric_stencil.data() + system->stencils[stencil].matrix);
+}
+
 template <class Velocity>
 void Kkt::multiply_stencils(Velocity&& velocity, VectorXd& out) const {
   for (const Stencil& stencil : system->stencils) {

@@ -74,6 +74,9 @@ struct Kkt {
   void set_geometric_stiffness(GeometricStiffness kind, double sigma, const State& state,
                                const VectorXd& lambda, double kept = 0.0, double rho = 0.0);
 
+  /// Mt's own block of a stencil without rows (System::contact_stencil) [kg]; from now on Mt is not diagonal.
+  Eigen::Map<Matrix3d> node_block(int stencil);
+
   /// out = J v.
   void multiply_jacobian(const VectorXd& v, VectorXd& out) const;
   /// out = J Mt^-1 x where Mt is diagonal (0 where masked).

@@ -2,36 +2,22 @@
 //   I = integral of (x^T x E - x x^T) dm = tr(C) E - C        C = (tr(I)/2) E - I
 // Shift by d from the centre: C + m d d^T. Composition about the joint centre: sum_k (C_k + m_k d_k d_k^T).
 // Shapes: C is diagonal. Box m l_i^2/12; ball m r^2/5; shell m r^2/3; cylinder m r^2/4 across, m h^2/12
-// along. Mesh: signed tetrahedra (0, a, b, c) with D = a.(b x c) = a.((b - a) x (c - a)) and s = a + b + c:
-//   V = sum D/6,   integral of x = sum D/24 s,
-//   integral of x x^T = sum D/120 (a a^T + b b^T + c c^T + s s^T)
-// (Blow and Binstock, How to find the inertia tensor of a 3D solid body represented by a mesh, 2004).
+// along. Mesh: engine/geometry/mesh_moments.cpp.
 #include "engine/mass_properties.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/check.h"
+#include "engine/geometry/mesh_check.h"
+#include "engine/geometry/mesh_moments.h"
 
 namespace feder {
 namespace {
 
 // What composition and rotation of many parts may leave of a zero or of an equality, relative.
 constexpr double kRounding = 1e-12;
-// A volume below this many roundings of area times coordinate is no volume.
-constexpr double kFlat = 16.0 * std::numeric_limits<double>::epsilon();
-
-using Triangles = std::vector<std::array<int, 3>>;
-
-struct Moments {
-  double volume = 0.0, area = 0.0;
-  Vector3d first = Vector3d::Zero();
-  Matrix3d second = Matrix3d::Zero();
-};
 
 MassProperties centred(const std::string& where, double mass, const Vector3d& covariance_per_mass) {
   require_positive(where, "mass", mass, "kg");
@@ -60,57 +46,6 @@ MassProperties composed(const std::string& where, const std::string& kind,
 
   // sum_k I_k + m_k (d_k^2 E - d_k d_k^T): an error of the centre enters squared only
   for (const MassProperties& part : parts) out.inertia += inertia_about(part, out.centre);
-  return out;
-}
-
-bool repeats_an_index(const std::array<int, 3>& t) {
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
-
-// Index range, then every edge once each way.
-void check_topology(const std::string& where, std::size_t vertices, const Triangles& triangles) {
-  std::vector<std::array<int, 4>> sides;  // low vertex, high vertex, triangle, direction
-  for (std::size_t k = 0; k < triangles.size(); ++k) {
-    const std::array<int, 3>& t = triangles[k];
-    for (int vertex : t)
-      if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertices)
-        fail_input(where + ", triangle " + std::to_string(k), "vertex index", vertex, "",
-                   "0 <= index < " + std::to_string(vertices));
-    if (repeats_an_index(t)) continue;
-    for (int i = 0; i < 3; ++i) {
-      const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
-      sides.push_back({low, high, static_cast<int>(k), t[i] < t[(i + 1) % 3]});
-    }
-  }
-  std::sort(sides.begin(), sides.end());
-  for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
-    const auto [low, high, triangle, direction] = sides[i];
-    while (next < sides.size() && sides[next][0] == low && sides[next][1] == high) ++next;
-    const std::string edge = where + ", edge (" + std::to_string(low) + ", " + std::to_string(high) +
-                             ") of triangle " + std::to_string(triangle);
-    const double count = static_cast<double>(next - i);
-    if (count == 1) fail_input(edge, "number of triangles", count, "", "2: the mesh is open here");
-    if (count > 2) fail_input(edge, "number of triangles", count, "", "2: the mesh is not manifold here");
-    if (sides[i + 1][3] == direction)
-      fail_input(edge + " and triangle " + std::to_string(sides[i + 1][2]), "triangles in one direction",
-                 count, "", "1 each way: the winding is inconsistent");
-  }
-}
-
-Moments mesh_moments(const std::vector<Vector3d>& vertices, const Triangles& triangles,
-                     const Vector3d& origin) {
-  Moments out;
-  for (const std::array<int, 3>& t : triangles) {
-    if (repeats_an_index(t)) continue;
-    const Vector3d a = vertices[t[0]] - origin, b = vertices[t[1]] - origin, c = vertices[t[2]] - origin;
-    const Vector3d normal = (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]);
-    const Vector3d s = a + b + c;
-    const double D = a.dot(normal);
-    out.area += 0.5 * normal.norm();
-    out.volume += D / 6.0;
-    out.first += D / 24.0 * s;
-    out.second += D / 120.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
-  }
   return out;
 }
 
@@ -161,31 +96,15 @@ MassProperties point_masses(const std::string& where, const std::vector<PointMas
   return composed(where, "point", parts);
 }
 
-MassProperties solid_mesh(const std::string& where, double density, const std::vector<Vector3d>& vertices,
-                          const Triangles& triangles) {
+MassProperties solid_mesh(const std::string& where, double density, const TriangleMesh& mesh) {
   require_positive(where, "density", density, "kg/m^3");
-  if (triangles.empty()) fail_input(where, "number of triangles", 0, "", "a closed mesh");
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    if (!vertices[i].allFinite())
-      for (double x : vertices[i])
-        require_finite(where + ", vertex " + std::to_string(i), "position", x, "m");
-  check_topology(where, vertices.size(), triangles);
+  check_closed_mesh(where, mesh);
 
-  // volume and centre, from the middle of the bounding box of what is used
-  Eigen::AlignedBox3d bounds;
-  for (const std::array<int, 3>& t : triangles)
-    for (int vertex : t) bounds.extend(vertices[vertex]);
-  const Moments rough = mesh_moments(vertices, triangles, bounds.center());
-  const double reach = std::max(bounds.min().cwiseAbs().maxCoeff(), bounds.max().cwiseAbs().maxCoeff());
-  require_finite(where, "volume", rough.volume, "m^3");
-  if (std::abs(rough.volume) <= kFlat * rough.area * reach)
-    fail_input(where, "volume", rough.volume, "m^3", "a value > 0: the mesh is flat, nothing is inside");
-  if (rough.volume < 0.0)
-    fail_input(where, "volume", rough.volume, "m^3", "a value > 0: the mesh is inside out");
-
-  // second moments about that centre: nothing large is subtracted
-  const Vector3d centre = bounds.center() + rough.first / rough.volume;
-  const Moments exact = mesh_moments(vertices, triangles, centre);
+  // centre from the middle of the bounding box, second moments about that centre: nothing large is subtracted
+  const Vector3d middle = used_bounds(mesh).center();
+  const MeshMoments rough = mesh_moments(mesh, middle);
+  const Vector3d centre = middle + rough.first / rough.volume;
+  const MeshMoments exact = mesh_moments(mesh, centre);
   MassProperties out{density * exact.volume, centre, inertia_from_covariance(density * exact.second)};
   check_inertia(where, out);
   return out;

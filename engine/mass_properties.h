@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <string>
 #include <vector>
 
+#include "engine/geometry/triangle_mesh.h"
 #include "engine/state.h"
 
 namespace feder {
@@ -42,14 +42,9 @@ MassProperties thin_rod(const std::string& where, double mass, double length);
 /// At least one point; masses > 0, positions finite, otherwise InputError naming the point.
 MassProperties point_masses(const std::string& where, const std::vector<PointMass>& points);
 
-/// The solid inside a closed triangle mesh of constant density [kg/m^3]; vertices [m], triangles as vertex
-/// indices, counter-clockwise seen from outside. A component wound the other way is a cavity. Unused vertices
-/// and triangles without area are allowed; one that repeats an index is skipped. InputError, naming the
-/// element and the value: vertex not finite, index out of range, an edge that is not met by exactly two
-/// triangles in opposite directions (open, not manifold, inconsistent winding), volume negative (inside out)
-/// or zero to rounding, and an inertia no solid has (a cavity outside the body).
-MassProperties solid_mesh(const std::string& where, double density, const std::vector<Vector3d>& vertices,
-                          const std::vector<std::array<int, 3>>& triangles);
+/// The solid inside a closed triangle mesh of constant density [kg/m^3]. InputError as check_closed_mesh, and
+/// for an inertia no solid has (a cavity outside the body).
+MassProperties solid_mesh(const std::string& where, double density, const TriangleMesh& mesh);
 
 /// The same body after x -> rotation x + translation [m]; axes and origin stay. Misuse: not a rotation.
 MassProperties moved(const MassProperties& p, const Matrix3d& rotation, const Vector3d& translation);

@@ -38,6 +38,8 @@ struct History {
   VectorXd force;             ///< total force at (q, v, t) [N], 3 per node, empty if not known
   double suggested_dt = 0.0;  ///< next step proposed by step-size control [s], 0 if none
   double last_dt = 0.0;       ///< of the last step, for methods that ask [s], 0 before the first
+  VectorXd
+      contacts;  ///< 6 per contact that pushed: colliders a and b, feature, impulse on b in the world [N s]
 };
 
 }  // namespace feder

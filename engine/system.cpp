@@ -3,8 +3,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <tuple>
 
 #include "engine/check.h"
+#include "engine/geometry/manifold.h"
+#include "engine/geometry/shape_bounds.h"
 
 namespace feder {
 
@@ -115,6 +119,14 @@ int SystemBuilder::require_dial(Anchor anchor, const std::string& where) {
   return node;
 }
 
+namespace {
+void require_rotation(const std::string& where, const std::string& name, const Matrix3d& R) {
+  const double defect = (R.transpose() * R - Matrix3d::Identity()).norm();
+  if (!(defect <= 1e-9) || !(R.determinant() > 0.0))
+    fail_input(where, name + "'s distance from a rotation", defect, "", "a proper rotation");
+}
+}  // namespace
+
 Anchor SystemBuilder::add_body(const MassProperties& properties, const BodyStart& start) {
   const int id = static_cast<int>(bodies_.size());
   const std::string where = "body " + std::to_string(id);
@@ -129,9 +141,7 @@ Anchor SystemBuilder::add_body(const MassProperties& properties, const BodyStart
   if (start.free > kFree) fail_input(where, "free mask", start.free, "", "a value from 0 to 7");
   if (start.free_spin > kFree)
     fail_input(where, "free mask of the spin", start.free_spin, "", "a value from 0 to 7");
-  const double defect = (start.orientation.transpose() * start.orientation - Matrix3d::Identity()).norm();
-  if (!(defect <= 1e-9) || !(start.orientation.determinant() > 0.0))
-    fail_input(where, "orientation's distance from a rotation", defect, "", "a proper rotation");
+  require_rotation(where, "orientation", start.orientation);
   bodies_.push_back({properties, start});
   return {.body = id};
 }
@@ -201,6 +211,20 @@ void SystemBuilder::add_law_spring(const LawSpring& spring) {
   law_springs_.push_back(spring);
 }
 
+int SystemBuilder::add_collider(const Anchor& at, const Shape& shape, const Surface& surface, int group,
+                                const Matrix3d& rotation) {
+  const std::string where = "collider " + std::to_string(colliders_.size());
+  (void)require_anchor(at, where);
+  for (int c = 0; c < 3; ++c) require_finite(where, "point", at.point[c], "m");
+  check_shape(where, shape);
+  require_non_negative(where, "friction", surface.friction, "");
+  if (!(surface.restitution >= 0.0 && surface.restitution <= 1.0))
+    fail_input(where, "restitution", surface.restitution, "", "a value from 0 to 1");
+  require_rotation(where, "rotation", rotation);
+  colliders_.push_back({at, shape, surface, rotation, group});
+  return static_cast<int>(colliders_.size()) - 1;
+}
+
 void SystemBuilder::label_row(int id, std::string label) {
   FEDER_CHECK(id >= 0 && id < static_cast<int>(ids_.size()), "label_row: no row with this id");
   labels_.resize(ids_.size());
@@ -238,6 +262,13 @@ void lay_out_stencils(System& s) {
   for_each_stencil_row_type(s.stencil_rows, [&](const auto& list) {
     for (const auto& row : list) append(row.nodes.data(), row.count(), row.kRows);
   });
+  bool has_fixed = false;
+  for (const Collider& collider : s.colliders) has_fixed = has_fixed || collider.fixed;
+  for (const Collider& collider : s.colliders) {
+    const bool held = has_fixed && collider.at.body < 0 && !collider.fixed;
+    s.contact_stencil.push_back(held ? static_cast<int>(s.stencils.size()) : -1);
+    if (held) append(&collider.place.node, 1, 0);
+  }
   for (const LawSpring& spring : s.law_springs) append(spring.nodes.data(), spring.count(), 0);
   for (const std::vector<int>& stencil : s.forces.user.stencils)
     append(stencil.data(), static_cast<int>(stencil.size()), 0);
@@ -267,6 +298,23 @@ void collect_row_materials(System& s) {
   s.has_hard_rows = s.stiffness.size() > 0 && std::isinf(s.stiffness.maxCoeff());
   s.has_damping =
       (s.damping.array() > 0.0).any() || (s.stiffness.array() > 0.0 && s.damping_time.array() > 0.0).any();
+}
+
+// Colliders that would meet need a routine for their pair of shapes.
+void check_pairs(const std::vector<Collider>& colliders) {
+  std::map<std::tuple<std::size_t, bool, int>, std::pair<int, int>> kinds;  // the first and last of each
+  for (int i = 0; i < static_cast<int>(colliders.size()); ++i)
+    kinds.try_emplace({colliders[i].shape.index(), colliders[i].fixed, colliders[i].group}, i, i)
+        .first->second.second = i;
+  for (const auto& [kind_a, a] : kinds)
+    for (const auto& [kind_b, b] : kinds) {
+      const int i = a.first, j = b.second;
+      const Collider &first = colliders[i], &second = colliders[j];
+      if (i == j || (first.fixed && second.fixed) || (first.group != 0 && first.group == second.group))
+        continue;
+      if (const std::string why = refuse_pair(first.shape, second.shape); !why.empty())
+        throw InputError("colliders " + std::to_string(i) + " and " + std::to_string(j) + ": " + why);
+    }
 }
 
 // Principal axes; those given where they are principal to rounding, so that masks mean what the user sees.
@@ -372,6 +420,9 @@ SystemBuilder::Built SystemBuilder::build() const {
   });
   s.law_springs = law_springs_;
   for (LawSpring& spring : s.law_springs) spring.resolve(s.bodies);
+  s.colliders = colliders_;
+  for (Collider& collider : s.colliders) collider.resolve(s);
+  check_pairs(s.colliders);
   lay_out_stencils(s);
   collect_row_materials(s);
   s.drives = drives_;

@@ -12,6 +12,7 @@
 #include "engine/bending.h"
 #include "engine/body.h"
 #include "engine/check.h"
+#include "engine/collider.h"
 #include "engine/distance.h"
 #include "engine/drive.h"
 #include "engine/forces.h"
@@ -77,6 +78,10 @@ struct System {
 
   Forces forces;
   std::vector<LawSpring> law_springs;
+  std::vector<Collider> colliders;
+  /// Per collider: for a free particle that may meet one without unknowns the stencil of its node alone,
+  /// where a step keeps what such contacts add to Mt; otherwise -1.
+  std::vector<int> contact_stencil;
   bool forces_look_at_state() const { return forces.user || forces.has_torques || !law_springs.empty(); }
 
   bool active(int row) const { return stiffness[row] > 0.0 || damping[row] > 0.0; }
@@ -151,6 +156,11 @@ class SystemBuilder {
   void add_constant_torque(Anchor at, const Vector3d& torque);
   /// Stiffness and damping of `spring` as a row are not used.
   void add_law_spring(const LawSpring& spring);
+  /// A solid shape at a particle, a world point or a point of a body; `rotation` turns the shape's axes into
+  /// the body's (at nodes: the world's). Bodies joined by a row, and colliders of one `group` other than 0,
+  /// pass through each other. Returns its place in System::colliders.
+  int add_collider(const Anchor& at, const Shape& shape, const Surface& surface = {}, int group = 0,
+                   const Matrix3d& rotation = Matrix3d::Identity());
   void set_user_force(UserForce force) { user_ = std::move(force); }
 
   struct Built;
@@ -189,6 +199,7 @@ class SystemBuilder {
   std::vector<std::string> labels_;
   std::vector<std::pair<Anchor, Vector3d>> constant_;
   std::vector<LawSpring> law_springs_;
+  std::vector<Collider> colliders_;
   Vector3d gravity_ = Vector3d::Zero();
   double drag_ = 0.0;
   UserForce user_;

@@ -103,7 +103,8 @@ struct Books {
   double rows() const { return sum.row_work + sum.row_change; }
   // E(end) - E(0) as the ledger has it
   double booked() const {
-    return sum.external_work + external_change + sum.drag_work + rows() + sum.geometric_work + sum.numerical;
+    return sum.external_work + external_change + sum.drag_work + rows() + sum.geometric_work + sum.numerical +
+           sum.contact_work;
   }
 };
 
@@ -115,6 +116,7 @@ void add(Books& books, const EnergyLedger& step, double kinetic) {
   books.sum.row_work += step.row_work;
   books.sum.geometric_work += step.geometric_work;
   books.sum.numerical += step.numerical;
+  books.sum.contact_work += step.contact_work;
   const double magnitude = step.magnitude();
   books.magnitude += magnitude;
   if (!(magnitude > 0.0)) return;

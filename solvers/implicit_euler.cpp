@@ -12,7 +12,11 @@ template <GeometricStiffness kKind>
 Status LinearImplicitEuler<kKind>::prepare() {
   kkt_.prepare(*system_);
   dt_ = 0.0;
-  return solver_.analyze(*system_, kGeometric);
+  if (!system_->colliders.empty()) contacts_.emplace(*system_);
+  // particles on obstacles act inside their nodes' blocks of Mt
+  const std::vector<int>& held = system_->contact_stencil;
+  const bool blocks = std::any_of(held.begin(), held.end(), [](int stencil) { return stencil >= 0; });
+  return solver_.analyze(*system_, kGeometric || blocks);
 }
 
 template <GeometricStiffness kKind>
@@ -89,15 +93,22 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
     const Stopwatch watch(times_.evaluate);
     if (Status status = linearise(dt, state, history); !status.ok()) return status;
   }
-  if (Status status = solver_.factor(kkt_); !status.ok()) return status;
-  report_ = solver_.solve(kkt_, v_, y_);
-  if (!report_.status.ok()) return report_.status;
+  if (contacts_) {
+    const Status status = contacts_->solve(dt, state, history, kkt_, solver_, v_, y_, report_);
+    if (!status.ok()) return status;
+  } else {
+    if (Status status = solver_.factor(kkt_); !status.ok()) return status;
+    report_ = solver_.solve(kkt_, v_, y_);
+    if (!report_.status.ok()) return report_.status;
+  }
   ++counts_.steps, ++counts_.force_evaluations;
 
   if (ledger) {
     const VectorXd& start = s.bodies.empty() ? state.v : v_start_;  // after the gyroscopic step
     const VectorXd drag = -s.forces.drag.cwiseProduct(v_), dv = v_ - start, gyroscopic = start - state.v;
-    const VectorXd impulse = kkt_.p - s.inertia.cwiseProduct(start);
+    const VectorXd impulse = (contacts_ ? contacts_->momentum() : kkt_.p) - s.inertia.cwiseProduct(start);
+    const double pushed = contacts_ ? contacts_->work(v_) : 0.0,
+                 blocks = contacts_ ? contacts_->block_work(v_) : 0.0;  // part of Mt, and of pushed
     VectorXd Jv, Kv = VectorXd::Zero(v_.size());
     kkt_.multiply_jacobian(v_, Jv);
     kkt_.add_geometric(v_, Kv);
@@ -107,18 +118,20 @@ Status LinearImplicitEuler<kKind>::step(double dt, State& state, History& histor
         impulse.dot(v_),
         dt * drag.dot(v_),
         y_.dot(Jv),
-        -Kv.dot(v_),
-        -0.5 * (s.inertia.cwiseProduct(dv).dot(dv) + s.inertia.cwiseProduct(gyroscopic).dot(gyroscopic))};
+        blocks - Kv.dot(v_),
+        -0.5 * (s.inertia.cwiseProduct(dv).dot(dv) + s.inertia.cwiseProduct(gyroscopic).dot(gyroscopic)),
+        pushed};
   }
   {
     const Stopwatch watch(times_.update);
-    advance(s, dt, v_, state.q, state.q, rotation_update_);
+    advance(s, dt, contacts_ ? contacts_->place_velocity(v_) : v_, state.q, state.q, rotation_update_);
     std::swap(state.v, v_);
     state.t += dt;
     drive(s, state);
     if (s.has_hard_rows || kGeometric) history.lambda = y_ / dt;
     history.force.resize(0);
     history.last_dt = dt;
+    if (contacts_) contacts_->remember(history);
   }
   if (ledger) ledger->row_change += row_energy(s, state);
   return {};

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "solvers/contact/contact_step.h"
 #include "solvers/integrator.h"
 
 namespace feder {
@@ -15,9 +18,13 @@ class LinearImplicitEuler {
  public:
   static constexpr bool kGeometric = kKind != GeometricStiffness::kOff;
   static constexpr IntegratorInfo kInfo{
-      kGeometric ? "implicit_euler_geometric" : "implicit_euler_notes", 1, true, false,
+      kGeometric ? "implicit_euler_geometric" : "implicit_euler_notes",
+      1,
+      true,
+      false,
       kGeometric ? "one linear solve per step, with clamped geometric stiffness"
-                 : "one linear solve per step, the notes' step without geometric stiffness"};
+                 : "one linear solve per step, the notes' step without geometric stiffness",
+      true};
   static std::string refusal(const System&) { return {}; }
 
   LinearImplicitEuler(const System& system, const IntegratorOptions& options)
@@ -30,6 +37,8 @@ class LinearImplicitEuler {
   const StepTimes& times() const { return times_; }
   void reset_times();
   const Kkt& kkt() const { return kkt_; }
+  /// Null before prepare() and in scenes without colliders.
+  ContactStep* contacts() { return contacts_ ? &*contacts_ : nullptr; }
   const SolveReport& report() const { return report_; }
 
  private:
@@ -38,6 +47,7 @@ class LinearImplicitEuler {
   const System* system_;
   LinearSolver solver_;
   Kkt kkt_;
+  std::optional<ContactStep> contacts_;
   State at_;
   RotationUpdate rotation_update_;
   VectorXd v_, y_, lambda_;

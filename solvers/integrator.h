@@ -25,6 +25,7 @@ struct IntegratorInfo {
   bool implicit;
   bool symmetric;  ///< its own adjoint: the error has even powers of dt only; symplectic without damping
   const char* summary;
+  bool contacts = false;  ///< keeps colliders apart within its step; others run between impacts
 };
 
 /// Work done since prepare().

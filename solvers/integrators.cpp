@@ -28,6 +28,10 @@ const IntegratorInfo& info(const Integrator& integrator) {
 }
 
 std::string refusal(const Integrator& integrator, const System& system) {
+  if (!system.colliders.empty() && !info(integrator).contacts)
+    return std::string(info(integrator).name) +
+           " does not see colliders in its step: run it between impacts (simulate_impacts), or take one of "
+           "implicit_euler_notes, implicit_euler_geometric";
   return std::visit([&](const auto& i) { return i.refusal(system); }, integrator);
 }
 

@@ -220,7 +220,7 @@ Reference explicit_reference(const System& s, const State& initial, double end_t
 Reference halving_reference(const System& s, const State& initial, double end_time,
                             const ReferenceOptions& o) {
   constexpr std::int64_t kFirst = 64, kMost = std::int64_t{1} << 24;
-  const char* name = "rk4";
+  const char* name = s.colliders.empty() ? "rk4" : "implicit_euler_notes";
   const double span = end_time - initial.t;
   const double size = std::max(1e-300, initial.q.head(3 * s.places()).lpNorm<Eigen::Infinity>());
   Reference r{Status::failure(StatusCode::kNotConverged, "no two step sizes within the budget"), initial, 0.0,
@@ -256,7 +256,7 @@ std::optional<fs::path> reference_cache_file(const System& s, const State& initi
               "the state does not fit the system");
   const fs::path folder = o.cache_folder.empty() ? default_cache_folder() : o.cache_folder;
   if (!o.use_cache || s.forces.user || s.driven() || !s.law_springs.empty() || !s.bodies.empty() ||
-      folder.empty())
+      !s.colliders.empty() || folder.empty())
     return std::nullopt;
   char name[32];
   (void)std::snprintf(name, sizeof name, "%016llx.reference",
@@ -270,7 +270,7 @@ Reference make_reference(const System& s, const State& initial, double end_time,
   if (file)
     if (std::optional<Reference> known = load(*file, hash, 3 * s.nodes)) return std::move(*known);
   const bool small = 2 * s.free_count <= o.most_ida_unknowns || !(end_time > initial.t);
-  if (s.has_hard_rows || !s.bodies.empty()) {
+  if (s.has_hard_rows || !s.bodies.empty() || !s.colliders.empty()) {
     Reference r{Status::failure(StatusCode::kRefused, "too large for IDA"), initial, 0.0, "", false};
     if (small) r = ida_reference(s, initial, end_time, o);
     if (!r.status.ok()) {

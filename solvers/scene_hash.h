@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/geometry/shape_bounds.h"
 #include "engine/kkt.h"
 
 namespace feder {
@@ -59,6 +60,16 @@ inline void hash_scene(Fnv1a& hash, const System& s, const State& state) {
     hash.add(std::string_view(std::decay_t<decltype(list)>::value_type::kName));
     hash.add(static_cast<std::uint64_t>(list.size()));
   });
+  for (const Collider& c : s.colliders) {
+    hash.add(c.place.node);
+    hash.add(static_cast<std::uint64_t>(c.shape.index()));
+    hash.add(std::span<const double>(c.place.point.data(), 3));
+    hash.add(std::span<const double>(c.rotation.data(), 9));
+    hash.add(c.surface.friction);
+    hash.add(c.surface.restitution);
+    hash.add(c.group);
+    hash.add(bounding_radius(c.shape));
+  }
   VectorXd q = state.q, phi;
   for (int probe = 0; probe < 3; ++probe) {
     evaluate_phi(s, q, phi);

@@ -184,9 +184,9 @@ AdaptiveResult simulate_adaptive(const System& system, Integrator& integrator, S
   AdaptiveResult result;
   const bool extrapolate =
       options.extrapolate && !info(integrator).symmetric && system.bodies.empty();  // rotations do not add
-  if (extrapolate && system.has_hard_rows)
-    result.status =
-        Status::failure(StatusCode::kRefused, "extrapolation would violate hard rows: switch it off");
+  if (extrapolate && (system.has_hard_rows || !system.colliders.empty()))
+    result.status = Status::failure(StatusCode::kRefused,
+                                    "extrapolation would violate hard rows and contacts: switch it off");
   else
     result.status = refuse_or_prepare(system, integrator);
   if (!result.status.ok()) return result;

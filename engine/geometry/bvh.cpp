@@ -6,13 +6,12 @@
 #include <string>
 
 #include "engine/check.h"
+#include "engine/geometry/aabb.h"
 #include "engine/geometry/bvh_build.h"
 #include "engine/geometry/bvh_volumes.h"
 
 namespace feder {
 namespace {
-
-constexpr int kLeaf = 2;  // triangles in a leaf, at most
 
 void check_vertices(const std::vector<Vector3d>& vertices) {
   for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -29,24 +28,24 @@ void check_indices(const TriangleMesh& mesh) {
                    "0 <= index < " + std::to_string(mesh.vertices.size()));
 }
 
-void fit_nodes(std::vector<BvhNode<Aabb>>& nodes, const std::vector<Corners>& corners) {
+void fit_nodes(const TriangleMesh& mesh, std::vector<BvhNode<Aabb>>& nodes) {
   for (std::size_t k = nodes.size(); k-- > 0;) {
     BvhNode<Aabb>& node = nodes[k];
     if (node.count > 0)
-      fit_volume(&corners[node.first], node.count, node.volume);
+      fit_volume(mesh, node.first, node.count, node.volume);
     else
       node.volume = merged(nodes[node.first].volume, nodes[node.first + 1].volume);
   }
 }
 
 template <class Volume>
-void fit_nodes(std::vector<BvhNode<Volume>>& nodes, const std::vector<Corners>& corners) {
+void fit_nodes(const TriangleMesh& mesh, std::vector<BvhNode<Volume>>& nodes) {
   std::vector<std::int32_t> begin(nodes.size()), end(nodes.size());  // the positions below a node
   for (std::size_t k = nodes.size(); k-- > 0;) {
     BvhNode<Volume>& node = nodes[k];
     begin[k] = node.count > 0 ? node.first : begin[node.first];
     end[k] = node.count > 0 ? node.first + node.count : end[node.first + 1];
-    fit_volume(&corners[begin[k]], end[k] - begin[k], node.volume);
+    fit_volume(mesh, begin[k], end[k] - begin[k], node.volume);
   }
 }
 
@@ -56,37 +55,28 @@ template <class Volume>
 Bvh<Volume>::Bvh(const TriangleMesh& mesh) {
   check_vertices(mesh.vertices);
   check_indices(mesh);
-  vertices_ = mesh.vertices.size();
   std::vector<BuildItem> items = build_items(mesh);
-  const std::vector<BvhLinks> branches = build_branches(items, kLeaf);
+  const std::vector<BvhLinks> branches = build_branches(items, kBvhLeaf);
+  sorted_.vertices = mesh.vertices;
+  sorted_.triangles.reserve(items.size());
+  order_.reserve(items.size());
+  for (const BuildItem& item : items) {
+    order_.push_back(item.id());
+    sorted_.triangles.push_back(mesh.triangles[item.id()]);
+  }
   nodes_.resize(branches.size());
   for (std::size_t k = 0; k < nodes_.size(); ++k)
     nodes_[k].first = branches[k].first, nodes_[k].count = branches[k].count;
-  order_.reserve(items.size());
-  indices_.reserve(items.size());
-  for (const BuildItem& item : items) {
-    order_.push_back(item.id);
-    indices_.push_back(mesh.triangles[item.id]);
-  }
-  corners_.reserve(items.size());
-  for (const auto& [i, j, k] : indices_)
-    corners_.push_back({mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]});
-  fit();
+  fit_nodes(sorted_, nodes_);
 }
 
 template <class Volume>
 void Bvh<Volume>::refit(const std::vector<Vector3d>& vertices) {
-  FEDER_CHECK(vertices.size() == vertices_,
+  FEDER_CHECK(vertices.size() == sorted_.vertices.size(),
               "a hierarchy is refitted with as many vertices as it was built with");
   check_vertices(vertices);
-  for (std::size_t k = 0; k < corners_.size(); ++k)
-    for (int c = 0; c < 3; ++c) corners_[k][c] = vertices[indices_[k][c]];
-  fit();
-}
-
-template <class Volume>
-void Bvh<Volume>::fit() {
-  fit_nodes(nodes_, corners_);
+  sorted_.vertices = vertices;
+  fit_nodes(sorted_, nodes_);
 }
 
 template class Bvh<Sphere>;

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "engine/geometry/bounding_volumes.h"
-#include "engine/geometry/triangle_distance.h"
 #include "engine/geometry/triangle_mesh.h"
+#include "engine/geometry/triangle_overlap.h"
 
 namespace feder {
 
@@ -36,19 +36,22 @@ class Bvh {
   int size() const { return static_cast<int>(order_.size()); }
   /// Index in the mesh of the triangle at a position.
   int triangle(int position) const { return order_[static_cast<std::size_t>(position)]; }
+  /// Its vertex indices.
   const std::array<int, 3>& indices(int position) const {
-    return indices_[static_cast<std::size_t>(position)];
+    return sorted_.triangles[static_cast<std::size_t>(position)];
   }
-  const Corners& corners(int position) const { return corners_[static_cast<std::size_t>(position)]; }
+  /// Its corners [m].
+  Triangle corners(int position) const {
+    const auto& [i, j, k] = indices(position);
+    return {vertex(i), vertex(j), vertex(k)};
+  }
 
  private:
-  void fit();
+  const Vector3d& vertex(int index) const { return sorted_.vertices[static_cast<std::size_t>(index)]; }
 
   std::vector<BvhNode<Volume>> nodes_;
   std::vector<int> order_;
-  std::vector<std::array<int, 3>> indices_;  // by position
-  std::vector<Corners> corners_;             // by position
-  std::size_t vertices_ = 0;
+  TriangleMesh sorted_;  // triangles by position
 };
 
 extern template class Bvh<Sphere>;
@@ -58,5 +61,7 @@ extern template class Bvh<Obb>;
 /// Nodes on the way from the root to any leaf, at most: traversals need no more stack than one such path for
 /// every tree they walk.
 inline constexpr int kBvhDepth = 96;
+/// Triangles in a leaf, at most.
+inline constexpr int kBvhLeaf = 6;
 
 }  // namespace feder

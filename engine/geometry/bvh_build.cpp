@@ -13,31 +13,30 @@ namespace feder {
 namespace {
 
 constexpr int kBins = 16;
+constexpr int kFew = 16;  // up to here the middle of the centres is cut, bins would cost more than they gain
 constexpr int kMedianDepth = 48;  // from here on halves, so that the depth is bounded by 48 + 32
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct Box {
-  float min[3] = {kInfinity, kInfinity, kInfinity}, max[3] = {-kInfinity, -kInfinity, -kInfinity};
+  Eigen::Array4f min = Eigen::Array4f::Constant(kInfinity), max = Eigen::Array4f::Constant(-kInfinity);
 
-  void add(const float* low, const float* high) {
-    for (int c = 0; c < 3; ++c) {
-      min[c] = std::min(min[c], low[c]);
-      max[c] = std::max(max[c], high[c]);
-    }
+  void add(const Eigen::Array4f& low, const Eigen::Array4f& high) {
+    min = min.min(low);
+    max = max.max(high);
   }
   float half_area() const {
-    const float x = max[0] - min[0], y = max[1] - min[1], z = max[2] - min[2];
-    return x * y + y * z + z * x;
+    const Eigen::Array4f d = max - min;
+    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
   }
   int longest() const {
-    const float x = max[0] - min[0], y = max[1] - min[1], z = max[2] - min[2];
-    return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    const Eigen::Array4f d = max - min;
+    return d[0] >= d[1] && d[0] >= d[2] ? 0 : d[1] >= d[2] ? 1 : 2;
   }
 };
 
 // Twice the centre.
 void add_centre(Box& box, const BuildItem& item) {
-  const float centre[3] = {item.min[0] + item.max[0], item.min[1] + item.max[1], item.min[2] + item.max[2]};
+  const Eigen::Array4f centre = item.min + item.max;
   box.add(centre, centre);
 }
 
@@ -79,32 +78,39 @@ std::int32_t cut_at_median(std::vector<BuildItem>& items, const Task& task, int 
   const std::int32_t middle = task.begin + (task.end - task.begin) / 2;
   const auto before = [axis](const BuildItem& a, const BuildItem& b) {
     const float x = a.min[axis] + a.max[axis], y = b.min[axis] + b.max[axis];
-    return x != y ? x < y : a.id < b.id;
+    return x != y ? x < y : a.id() < b.id();
   };
   std::nth_element(items.begin() + task.begin, items.begin() + middle, items.begin() + task.end, before);
   return middle;
 }
 
-// Sorts the items of the task into two sides; the first item of the right side.
+// Where the best of the cuts between bins lies along the axis; items left of it have twice their centre
+// below.
+float cut_between_bins(const std::vector<BuildItem>& items, const Task& task, int axis, float low,
+                       float width) {
+  const float scale = static_cast<float>(kBins) / width;
+  std::array<Bin, kBins> bins;
+  for (std::int32_t i = task.begin; i < task.end; ++i) {
+    const float centre = items[i].min[axis] + items[i].max[axis];
+    Bin& bin = bins[std::min(static_cast<int>((centre - low) * scale), kBins - 1)];
+    bin.box.add(items[i].min, items[i].max);
+    ++bin.count;
+  }
+  return low + static_cast<float>(best_cut(bins)) / scale;
+}
+
+// Sorts the items of the task into two sides and bounds the centres of each; the first item of the right
+// side.
 std::int32_t cut(std::vector<BuildItem>& items, const Task& task, Box& left, Box& right) {
   const int axis = task.centres.longest();
   const float low = task.centres.min[axis], width = task.centres.max[axis] - low;
   std::int32_t middle = task.begin;
   if (width > 0.0f && task.depth < kMedianDepth) {
-    const float scale = static_cast<float>(kBins) * (1.0f - 1e-6f) / width;
-    const auto bin_of = [=](const BuildItem& item) {
-      return std::clamp(static_cast<int>((item.min[axis] + item.max[axis] - low) * scale), 0, kBins - 1);
-    };
-    std::array<Bin, kBins> bins;
-    for (std::int32_t i = task.begin; i < task.end; ++i) {
-      Bin& bin = bins[bin_of(items[i])];
-      bin.box.add(items[i].min, items[i].max);
-      ++bin.count;
-    }
-    const int first = best_cut(bins);
+    const bool few = task.end - task.begin <= kFew;
+    const float border = few ? low + 0.5f * width : cut_between_bins(items, task, axis, low, width);
     std::int32_t end = task.end;
     while (middle < end) {
-      if (bin_of(items[middle]) < first) {
+      if (items[middle].min[axis] + items[middle].max[axis] < border) {
         add_centre(left, items[middle++]);
       } else {
         std::swap(items[middle], items[--end]);
@@ -131,11 +137,11 @@ struct UnitCube {
   BuildItem item(const Vector3d& low, const Vector3d& high, std::size_t id) const {
     BuildItem out;
     for (int c = 0; c < 3; ++c) {
-      out.min[c] = static_cast<float>((low[c] * scale - origin[c] * scale));
-      out.max[c] = static_cast<float>((high[c] * scale - origin[c] * scale));
+      out.min[c] = static_cast<float>(scale * low[c] - scale * origin[c]);
+      out.max[c] = static_cast<float>(scale * high[c] - scale * origin[c]);
     }
-    out.id = static_cast<std::int32_t>(id);
-    out.unused = 0;
+    out.min[3] = std::bit_cast<float>(static_cast<std::int32_t>(id));
+    out.max[3] = 0.0f;
     return out;
   }
 };

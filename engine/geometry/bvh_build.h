@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -9,12 +11,11 @@
 namespace feder {
 
 /// A box to be sorted into a tree, in single precision: it decides where the tree branches, not what its
-/// volumes are.
+/// volumes are. Lanes 0 to 2 are x, y, z; lane 3 of `min` holds the bits of the id.
 struct BuildItem {
-  float min[3];
-  std::int32_t id;
-  float max[3];
-  std::int32_t unused;
+  Eigen::Array4f min, max;
+
+  std::int32_t id() const { return std::bit_cast<std::int32_t>(min[3]); }
 };
 
 /// Boxes [m], finite, scaled to the unit cube; ids are their positions.

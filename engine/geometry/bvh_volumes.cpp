@@ -3,77 +3,50 @@
 // centre the box.
 #include "engine/geometry/bvh_volumes.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <vector>
+
+#include "engine/geometry/aabb.h"
+#include "engine/geometry/obb.h"
 
 namespace feder {
 namespace {
 
 // Rounding of a pose and of the projections in a test, in units of the last place of the largest coordinate.
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 64.0 * std::numeric_limits<double>::epsilon();
 
-// integral of x x^T over the triangle a b c: area/12 (a a^T + b b^T + c c^T + s s^T), s = a + b + c
-Matrix3d covariance(const Corners* triangles, int count, const Vector3d& origin) {
-  Matrix3d second = Matrix3d::Zero(), points = Matrix3d::Zero();
-  Vector3d first = Vector3d::Zero();
-  double area = 0.0;
-  for (int k = 0; k < count; ++k) {
-    const Vector3d a = triangles[k][0] - origin, b = triangles[k][1] - origin, c = triangles[k][2] - origin;
-    const double weight = (b - a).cross(c - a).norm();
-    const Vector3d s = a + b + c;
-    const Matrix3d squares = a * a.transpose() + b * b.transpose() + c * c.transpose();
-    points += squares;
-    second += weight / 12.0 * (squares + s * s.transpose());
-    first += weight / 3.0 * s;
-    area += weight;
-  }
-  return area > 0.0 ? Matrix3d(second - first * first.transpose() / area) : points;
+template <class Visit>
+void for_corners(const TriangleMesh& mesh, int first, int count, Visit&& visit) {
+  for (int k = first; k < first + count; ++k)
+    for (int vertex : mesh.triangles[k]) visit(mesh.vertices[vertex]);
 }
 
 }  // namespace
 
-Aabb merged(const Aabb& a, const Aabb& b) {
-  return {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)};
+void fit_volume(const TriangleMesh& mesh, int first, int count, Aabb& out) {
+  out = empty_aabb();
+  for_corners(mesh, first, count, [&out](const Vector3d& x) { out = merged(out, x); });
 }
 
-void fit_volume(const Corners* triangles, int count, Aabb& out) {
-  out.min = out.max = triangles[0][0];
-  for (int k = 0; k < count; ++k)
-    for (const Vector3d& x : triangles[k]) out.min = out.min.cwiseMin(x), out.max = out.max.cwiseMax(x);
-}
-
-void fit_volume(const Corners* triangles, int count, Sphere& out) {
+void fit_volume(const TriangleMesh& mesh, int first, int count, Sphere& out) {
   Aabb box;
-  fit_volume(triangles, count, box);
+  fit_volume(mesh, first, count, box);
   out.centre = 0.5 * (box.min + box.max);
   double radius_squared = 0.0;
-  for (int k = 0; k < count; ++k)
-    for (const Vector3d& x : triangles[k])
-      radius_squared = std::max(radius_squared, (x - out.centre).squaredNorm());
+  for_corners(mesh, first, count, [&](const Vector3d& x) {
+    radius_squared = std::max(radius_squared, (x - out.centre).squaredNorm());
+  });
   out.radius = std::sqrt(radius_squared);
 }
 
-void fit_volume(const Corners* triangles, int count, Obb& out) {
-  Aabb box;
-  fit_volume(triangles, count, box);
-  const Vector3d origin = 0.5 * (box.min + box.max);
-  const Matrix3d C = covariance(triangles, count, origin);
-  const double scale = C.cwiseAbs().maxCoeff();
-  out.axes = Matrix3d::Identity();
-  if (scale > 0.0) out.axes = Eigen::SelfAdjointEigenSolver<Matrix3d>(C / scale).eigenvectors();
-  if (out.axes.determinant() < 0.0) out.axes.col(0) *= -1.0;
-  Vector3d low = out.axes.transpose() * (triangles[0][0] - origin), high = low;
-  for (int k = 0; k < count; ++k)
-    for (const Vector3d& x : triangles[k]) {
-      const Vector3d along = out.axes.transpose() * (x - origin);
-      low = low.cwiseMin(along);
-      high = high.cwiseMax(along);
-    }
-  out.centre = origin + out.axes * (0.5 * (low + high));
-  out.half = 0.5 * (high - low);
+void fit_volume(const TriangleMesh& mesh, int first, int count, Obb& out) {
+  std::vector<int> triangles(static_cast<std::size_t>(count));
+  std::iota(triangles.begin(), triangles.end(), first);
+  out = fit_obb(mesh, triangles);
 }
 
 double reach_of(const Sphere& ball) {
@@ -94,6 +67,41 @@ Relative relative(const Pose& a, const Pose& b, double reach) {
   out.turned = out.rotation != Matrix3d::Identity();
   out.slack = kSlack * (reach + out.position.norm());
   return out;
+}
+
+double ray_slack(double reach, const Vector3d& origin) {
+  return kSlack * (reach + origin.norm());
+}
+
+double ray_entry(const Aabb& box, const Vector3d& origin, const Vector3d& direction, double slack) {
+  double enter = 0.0, leave = kInfinity;
+  for (int c = 0; c < 3; ++c) {
+    const double low = box.min[c] - slack - origin[c], high = box.max[c] + slack - origin[c];
+    if (direction[c] == 0.0) {
+      if (low > 0.0 || high < 0.0) return kInfinity;
+      continue;
+    }
+    const double s = low / direction[c], t = high / direction[c];
+    enter = std::max(enter, std::min(s, t));
+    leave = std::min(leave, std::max(s, t));
+  }
+  return enter <= leave ? enter : kInfinity;
+}
+
+double ray_entry(const Obb& box, const Vector3d& origin, const Vector3d& direction, double slack) {
+  return ray_entry(Aabb{-box.half, box.half}, box.axes.transpose() * (origin - box.centre),
+                   box.axes.transpose() * direction, slack);
+}
+
+double ray_entry(const Sphere& ball, const Vector3d& origin, const Vector3d& direction, double slack) {
+  const double speed = direction.norm(), radius = ball.radius + slack;
+  const Vector3d to = ball.centre - origin;
+  if (to.norm() <= radius) return 0.0;
+  if (speed == 0.0) return kInfinity;
+  const Vector3d unit = direction / speed;
+  const double along = to.dot(unit), half_squared = radius * radius - (to - along * unit).squaredNorm();
+  if (along < 0.0 || half_squared < 0.0) return kInfinity;
+  return std::max(along - std::sqrt(half_squared), 0.0) / speed;
 }
 
 BoxGaps box_gaps(const Obb& a, const Obb& b, const Relative& frame) {

@@ -1,20 +1,21 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/geometry/bounding_volumes.h"
 #include "engine/geometry/shape.h"
-#include "engine/geometry/triangle_distance.h"
+#include "engine/geometry/triangle_overlap.h"
 
 namespace feder {
 
 // What the queries of a hierarchy ask of a volume. `slack` [m] covers the rounding of the poses: volumes that
 // are closer than it count as touching.
 
-/// The volume of `count` >= 1 triangles.
-void fit_volume(const Corners* triangles, int count, Sphere& out);
-void fit_volume(const Corners* triangles, int count, Aabb& out);
-void fit_volume(const Corners* triangles, int count, Obb& out);
-
-Aabb merged(const Aabb& a, const Aabb& b);
+/// The volume of `count` >= 1 triangles of a mesh from `first` on.
+void fit_volume(const TriangleMesh& mesh, int first, int count, Sphere& out);
+void fit_volume(const TriangleMesh& mesh, int first, int count, Aabb& out);
+void fit_volume(const TriangleMesh& mesh, int first, int count, Obb& out);
 
 /// Squared distance of a point from the volume, at most [m^2]; 0 inside.
 inline double distance_squared(const Aabb& box, const Vector3d& p) {
@@ -47,7 +48,7 @@ struct Relative {
   double slack;             ///< [m]
 
   Vector3d operator()(const Vector3d& x) const { return rotation * x + position; }
-  Corners operator()(const Corners& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
+  Triangle operator()(const Triangle& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
 };
 /// reach: largest distance of a point of either mesh from its origin [m].
 Relative relative(const Pose& a, const Pose& b, double reach);
@@ -73,14 +74,21 @@ inline BoxGaps box_gaps(const Aabb& a, const Aabb& b, const Relative& frame) {
   return box_gaps(0.5 * (a.max - a.min), 0.5 * (b.max - b.min), centre, frame.rotation, frame.size);
 }
 
+inline double largest(const Vector3d& x) {
+  return std::max(std::max(x[0], x[1]), x[2]);
+}
+
 /// Certainly apart. False says nothing.
 inline bool apart(const Aabb& a, const Aabb& b, const Relative& frame) {
   if (!frame.turned) {
-    const Vector3d low = b.min + frame.position, high = b.max + frame.position;
-    return ((a.min - high).array() > frame.slack).any() || ((low - a.max).array() > frame.slack).any();
+    const Vector3d above = b.min + frame.position - a.max, below = a.min - b.max - frame.position;
+    return largest(above.cwiseMax(below)) > frame.slack;
   }
-  const BoxGaps gaps = box_gaps(a, b, frame);
-  return (gaps.along_a.array() > frame.slack).any() || (gaps.along_b.array() > frame.slack).any();
+  const Vector3d half_a = 0.5 * (a.max - a.min), half_b = 0.5 * (b.max - b.min);
+  const Vector3d centre = frame(0.5 * (b.min + b.max)) - 0.5 * (a.min + a.max);
+  return largest(centre.cwiseAbs() - half_a - frame.size * half_b) > frame.slack ||
+         largest((frame.rotation.transpose() * centre).cwiseAbs() - half_b -
+                 frame.size.transpose() * half_a) > frame.slack;
 }
 inline bool apart(const Sphere& a, const Sphere& b, const Relative& frame) {
   const double reach = a.radius + b.radius + frame.slack;
@@ -88,7 +96,7 @@ inline bool apart(const Sphere& a, const Sphere& b, const Relative& frame) {
 }
 inline bool apart(const Obb& a, const Obb& b, const Relative& frame) {
   const BoxGaps gaps = box_gaps(a, b, frame);
-  return (gaps.along_a.array() > frame.slack).any() || (gaps.along_b.array() > frame.slack).any();
+  return largest(gaps.along_a) > frame.slack || largest(gaps.along_b) > frame.slack;
 }
 
 /// Squared distance of two volumes, at most [m^2].
@@ -104,5 +112,11 @@ inline double distance_squared(const Sphere& a, const Sphere& b, const Relative&
   const double gap = std::max((frame(b.centre) - a.centre).norm() - a.radius - b.radius - frame.slack, 0.0);
   return gap * gap;
 }
+
+/// First t >= 0 with origin + t direction within `slack` of the volume; infinity: it passes by.
+double ray_entry(const Sphere& ball, const Vector3d& origin, const Vector3d& direction, double slack);
+double ray_entry(const Aabb& box, const Vector3d& origin, const Vector3d& direction, double slack);
+double ray_entry(const Obb& box, const Vector3d& origin, const Vector3d& direction, double slack);
+double ray_slack(double reach, const Vector3d& origin);
 
 }  // namespace feder

@@ -5,8 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/geometry/aabb.h"
 #include "engine/geometry/bvh.h"
-#include "engine/geometry/bvh_volumes.h"
+#include "engine/geometry/triangle_distance.h"
 
 namespace feder {
 
@@ -67,24 +68,18 @@ class CollisionMesh {
 
 template <class Visitor>
 void CollisionMesh::visit_triangles(const Aabb& box, Visitor&& visit) const {
-  const auto meet = [&box](const Aabb& other) {
-    return (box.min.array() <= other.max.array()).all() && (other.min.array() <= box.max.array()).all();
-  };
   const auto& nodes = hierarchy_.nodes();
   if (nodes.empty()) return;
   std::array<std::int32_t, kBvhDepth> stack{0};
   for (int top = 1; top > 0;) {
     const BvhNode<Aabb>& node = nodes[static_cast<std::size_t>(stack[static_cast<std::size_t>(--top)])];
-    if (!meet(node.volume)) continue;
+    if (!overlap(box, node.volume)) continue;
     if (node.count == 0) {
       stack[static_cast<std::size_t>(top++)] = node.first + 1;
       stack[static_cast<std::size_t>(top++)] = node.first;
     }
-    for (int k = node.first; k < node.first + node.count; ++k) {
-      Aabb bounds;
-      fit_volume(&hierarchy_.corners(k), 1, bounds);
-      if (meet(bounds)) visit(hierarchy_.triangle(k));
-    }
+    for (int k = node.first; k < node.first + node.count; ++k)
+      if (overlap(box, fit_aabb(hierarchy_.corners(k)))) visit(hierarchy_.triangle(k));
   }
 }
 

@@ -65,7 +65,7 @@ const Vector3d& normal_at(const CollisionMesh& mesh, Feature kind, int index) {
                                   : mesh.vertex_normals()[index];
 }
 
-Corners corners_of(const CollisionMesh& mesh, int triangle) {
+Triangle corners_of(const CollisionMesh& mesh, int triangle) {
   const auto& [a, b, c] = mesh.mesh().triangles[triangle];
   return {mesh.mesh().vertices[a], mesh.mesh().vertices[b], mesh.mesh().vertices[c]};
 }

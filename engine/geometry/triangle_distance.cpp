@@ -6,12 +6,19 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace feder {
 namespace {
 
-TrianglePoint closest_of_edges(const Corners& triangle, const Vector3d& p) {
+// A determinant below this share of the lengths of its columns is rounding: ray in the plane, or no area.
+constexpr double kFlat = 64.0 * std::numeric_limits<double>::epsilon();
+// Squared sine of an angle below which the foot in the face may be worse than one on an edge.
+constexpr double kNeedle = 1e-8;
+constexpr double kTouch = 1e-24;  // (1e-12)^2, the band of the overlap test
+
+TrianglePoint closest_of_edges(const Triangle& triangle, const Vector3d& p) {
   TrianglePoint best{{}, std::numeric_limits<double>::infinity(), Feature::kVertex, 0};
   for (int k = 0; k < 3; ++k) {
     const Vector3d &from = triangle[k], edge = triangle[(k + 1) % 3] - from;
@@ -34,7 +41,7 @@ void keep_nearer(ClosestPair& best, const ClosestPair& other) {
 
 }  // namespace
 
-TrianglePoint closest_point(const Corners& triangle, const Vector3d& p) {
+TrianglePoint closest_point(const Triangle& triangle, const Vector3d& p) {
   const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], ap = p - triangle[0];
   const Vector3d normal = ab.cross(ac);
   // barycentric coordinates of the foot of p on the plane, times the squared normal
@@ -42,7 +49,10 @@ TrianglePoint closest_point(const Corners& triangle, const Vector3d& p) {
   const double v = normal.dot(ap.cross(ac)), w = normal.dot(ab.cross(ap));
   if (!(square > 0.0) || v <= 0.0 || w <= 0.0 || v + w >= square) return closest_of_edges(triangle, p);
   const Vector3d point = triangle[0] + (v / square) * ab + (w / square) * ac;
-  return {point, (p - point).squaredNorm(), Feature::kFace, 0};
+  const TrianglePoint face{point, (p - point).squaredNorm(), Feature::kFace, 0};
+  if (square > kNeedle * ab.squaredNorm() * ac.squaredNorm()) return face;
+  const TrianglePoint edge = closest_of_edges(triangle, p);
+  return edge.distance_squared <= face.distance_squared ? edge : face;
 }
 
 ClosestPair closest_points(const std::array<Vector3d, 2>& p, const std::array<Vector3d, 2>& q) {
@@ -66,12 +76,12 @@ ClosestPair closest_points(const std::array<Vector3d, 2>& p, const std::array<Ve
   return {x, y, (x - y).squaredNorm()};
 }
 
-std::optional<double> ray_hit(const Corners& triangle, const Vector3d& origin, const Vector3d& direction,
+std::optional<double> ray_hit(const Triangle& triangle, const Vector3d& origin, const Vector3d& direction,
                               double limit) {
   const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], to = origin - triangle[0];
   const Vector3d across = direction.cross(ac);
   const double determinant = ab.dot(across);
-  if (determinant == 0.0) return std::nullopt;
+  if (!(std::abs(determinant) > kFlat * ab.norm() * across.norm())) return std::nullopt;
   const Vector3d along = to.cross(ab);
   const double u = to.dot(across) / determinant, v = direction.dot(along) / determinant;
   const double t = ac.dot(along) / determinant;
@@ -79,7 +89,7 @@ std::optional<double> ray_hit(const Corners& triangle, const Vector3d& origin, c
   return t;
 }
 
-ClosestPair closest_points(const Corners& a, const Corners& b) {
+ClosestPair closest_points(const Triangle& a, const Triangle& b) {
   ClosestPair best{{}, {}, std::numeric_limits<double>::infinity()};
   for (int i = 0; i < 3; ++i) {
     const std::array<Vector3d, 2> edge_a{a[i], a[(i + 1) % 3]}, edge_b{b[i], b[(i + 1) % 3]};
@@ -89,13 +99,19 @@ ClosestPair closest_points(const Corners& a, const Corners& b) {
     keep_nearer(best, {on_a.point, b[i], on_a.distance_squared});
     if (const auto t = ray_hit(b, edge_a[0], edge_a[1] - edge_a[0], 1.0)) {
       const Vector3d x = edge_a[0] + *t * (edge_a[1] - edge_a[0]);
-      return {x, x, 0.0};
+      const TrianglePoint foot = closest_point(b, x);
+      keep_nearer(best, {x, foot.point, foot.distance_squared});
     }
     if (const auto t = ray_hit(a, edge_b[0], edge_b[1] - edge_b[0], 1.0)) {
       const Vector3d x = edge_b[0] + *t * (edge_b[1] - edge_b[0]);
-      return {x, x, 0.0};
+      const TrianglePoint foot = closest_point(a, x);
+      keep_nearer(best, {foot.point, x, foot.distance_squared});
     }
   }
+  // what is only rounding away from meeting meets if the overlap test says so
+  const double size = (a[1] - a[0]).squaredNorm() + (a[2] - a[0]).squaredNorm() +
+                      (b[1] - b[0]).squaredNorm() + (b[2] - b[0]).squaredNorm();
+  if (best.distance_squared <= kTouch * size && overlap(a, b)) best.distance_squared = 0.0;
   return best;
 }
 

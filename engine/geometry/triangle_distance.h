@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/state.h"
+#include "engine/geometry/triangle_overlap.h"
 
 namespace feder {
 
-/// Corners [m]; may be degenerate (a segment or a point) for every function here.
-using Corners = std::array<Vector3d, 3>;
+/// Triangle [m]; may be degenerate (a segment or a point) for every function here.
+using Triangle = std::array<Vector3d, 3>;
 
 enum class Feature : std::uint8_t { kFace, kEdge, kVertex };
 
@@ -23,7 +23,7 @@ struct TrianglePoint {
 };
 
 /// The point of the triangle nearest to p [m].
-TrianglePoint closest_point(const Corners& triangle, const Vector3d& p);
+TrianglePoint closest_point(const Triangle& triangle, const Vector3d& p);
 
 /// A nearest pair of points of two triangles [m]; equal up to rounding, and distance exactly 0, where they
 /// meet.
@@ -31,14 +31,14 @@ struct ClosestPair {
   Vector3d a, b;
   double distance_squared;
 };
-ClosestPair closest_points(const Corners& a, const Corners& b);
+ClosestPair closest_points(const Triangle& a, const Triangle& b);
 
 /// The nearest points of the segments from p[0] to p[1] and from q[0] to q[1] [m].
 ClosestPair closest_points(const std::array<Vector3d, 2>& p, const std::array<Vector3d, 2>& q);
 
-/// Smallest t in [0, limit] with origin + t direction on the triangle, both sides count. Rays in the plane of
-/// the triangle miss it.
-std::optional<double> ray_hit(const Corners& triangle, const Vector3d& origin, const Vector3d& direction,
+/// Smallest t in [0, limit] with origin + t direction on the triangle, both sides count. Rays in its plane
+/// (to rounding) miss it, all rays miss a triangle without area.
+std::optional<double> ray_hit(const Triangle& triangle, const Vector3d& origin, const Vector3d& direction,
                               double limit);
 
 }  // namespace feder

@@ -1,5 +1,5 @@
-// Little-endian: "FEDERCP1", file size, scene hash, frame, step; t; q, v, lambda, force, each with its count;
-// suggested dt, last dt; number of files, each with the length of its name, the name, its length; FNV-1a 64
+// Little-endian: "FEDERCP2", file size, scene hash, frame, step; t; q, v, lambda, force, each with its count;
+// suggested dt, last dt, contacts with their count; number of files, each with the length of its name, the name, its length; FNV-1a 64
 // of all before. A step of FNV-1a is one-to-one both in the hash and in the byte, so that no change of a
 // single byte goes unseen. Whole numbers have 64 bits.
 #include "experiments/support/checkpoint.h"
@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied as
 
 namespace {
 
-constexpr std::string_view kMagic = "FEDERCP1";
+constexpr std::string_view kMagic = "FEDERCP2";
 constexpr std::size_t kSizeAt = kMagic.size(), kWord = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
@@ -139,11 +139,15 @@ void open_envelope(Reader& in) {
 
 void read_history(Reader& in, History& history) {
   // a member added to History must be stored: this stops compiling
-  auto& [lambda, force, suggested_dt, last_dt] = history;
+  auto& [lambda, force, suggested_dt, last_dt, contacts] = history;
   lambda = in.vector("lambda");
   force = in.vector("force");
   suggested_dt = in.finite("suggested dt");
   last_dt = in.finite("last dt");
+  const std::size_t at = in.at();
+  contacts = in.vector("contacts");
+  if (contacts.size() % 6 != 0)
+    in.fail(at, fmt::format("{} numbers of contacts", contacts.size()), "6 per contact");
 }
 
 void read_state(Reader& in, State& state) {
@@ -176,7 +180,7 @@ std::vector<FilePosition> read_files(Reader& in) {
 std::string to_bytes(const Checkpoint& checkpoint) {
   const auto& [scene_hash, frame, step, state, history, files] = checkpoint;
   const auto& [t, q, v] = state;
-  const auto& [lambda, force, suggested_dt, last_dt] = history;
+  const auto& [lambda, force, suggested_dt, last_dt, contacts] = history;
   Writer out;
   out.bytes = kMagic;
   out.add(std::uint64_t{0});
@@ -190,6 +194,7 @@ std::string to_bytes(const Checkpoint& checkpoint) {
   out.add(force);
   out.add(suggested_dt);
   out.add(last_dt);
+  out.add(contacts);
   out.add(static_cast<std::int64_t>(files.size()));
   for (const FilePosition& file : files) {
     out.add(file.name);

@@ -14,6 +14,7 @@ feder_packages=(
   libtomlplusplus-dev                                  # the syntax of scene files
   libgtest-dev libbenchmark-dev librapidcheck-dev      # tests
   libmuparser-dev libtinyobjloader-dev                 # judges in tests: of expressions, of mesh files
+  libgmp-dev                                           # exact integers: the judge of overlap tests
   gnuplot-nox                                          # charts
 )
 

@@ -92,7 +92,7 @@ void Assembly::add_bodies() {
     if (fixed) keys.mass.value = 1.0;
     if (fixed && entry.shape.value == ShapeKeys::kParts) keys.mass.given = false;
     ShapeReader reader{limits_.folder, limits_.allow_outside, problems_};
-    const std::optional<Shape> shape = reader.read(entry.label, entry.place, keys, entry.parts);
+    const std::optional<BodyShape> shape = reader.read(entry.label, entry.place, keys, entry.parts);
     if (!shape) continue;
     SystemBuilder::BodyStart start{
         entry.position,         entry.orientation.axes,       entry.velocity,

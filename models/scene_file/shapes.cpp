@@ -48,7 +48,7 @@ double mass_of(const ShapeKeys& keys, double volume) {
   return keys.mass.given ? keys.mass.value : keys.density.value * volume;
 }
 
-Shape simple_shape(const std::string& label, const ShapeKeys& k) {
+BodyShape simple_shape(const std::string& label, const ShapeKeys& k) {
   constexpr double kPi = std::numbers::pi;
   const double r = k.radius.value, h = k.height.value;
   switch (k.shape.value) {
@@ -119,7 +119,7 @@ std::optional<std::filesystem::path> ShapeReader::inside(const std::string& labe
   return path;
 }
 
-std::optional<Shape> ShapeReader::read_mesh_shape(const std::string& label, const ShapeKeys& keys) {
+std::optional<BodyShape> ShapeReader::read_mesh_shape(const std::string& label, const ShapeKeys& keys) {
   const auto path = inside(label, keys.mesh);
   if (!path) return std::nullopt;
   try {
@@ -127,20 +127,21 @@ std::optional<Shape> ShapeReader::read_mesh_shape(const std::string& label, cons
     if (keys.scale.given)
       for (Vector3d& vertex : mesh.vertices) vertex *= keys.scale.value;
     const double density = keys.density.given ? keys.density.value : 1.0;
-    MassProperties properties = solid_mesh(label, density, mesh.vertices, mesh.triangles);
+    MassProperties properties = solid_mesh(label, density, mesh);
     if (keys.mass.given) {
       properties.inertia *= keys.mass.value / properties.mass;
       properties.mass = keys.mass.value;
     }
-    return Shape{properties, {-1, std::move(mesh.vertices), std::move(mesh.triangles)}};
+    return BodyShape{properties, {-1, std::move(mesh.vertices), std::move(mesh.triangles)}};
   } catch (const InputError& error) {
     problems_.add(keys.mesh.place, label + ": " + error.what());
     return std::nullopt;
   }
 }
 
-std::optional<Shape> ShapeReader::read_parts(const std::string& label, const std::vector<PartEntry>& parts) {
-  Shape whole;
+std::optional<BodyShape> ShapeReader::read_parts(const std::string& label,
+                                                 const std::vector<PartEntry>& parts) {
+  BodyShape whole;
   std::vector<MassProperties> properties;
   bool sound = true;
   for (const PartEntry& part : parts) {
@@ -150,7 +151,7 @@ std::optional<Shape> ShapeReader::read_parts(const std::string& label, const std
       sound = false;
       continue;
     }
-    const std::optional<Shape> shape = read(where, part.place, part, {});
+    const std::optional<BodyShape> shape = read(where, part.place, part, {});
     if (!shape) {
       sound = false;
       continue;
@@ -167,8 +168,8 @@ std::optional<Shape> ShapeReader::read_parts(const std::string& label, const std
   return whole;
 }
 
-std::optional<Shape> ShapeReader::read(const std::string& label, TextPlace place, const ShapeKeys& keys,
-                                       const std::vector<PartEntry>& parts) {
+std::optional<BodyShape> ShapeReader::read(const std::string& label, TextPlace place, const ShapeKeys& keys,
+                                           const std::vector<PartEntry>& parts) {
   if (!keys.shape.given || !check_keys_of_kind(label, place, keys, !parts.empty())) return std::nullopt;
   try {
     if (keys.shape.value == ShapeKeys::kMesh) return read_mesh_shape(label, keys);

@@ -12,7 +12,7 @@
 namespace feder {
 
 /// A body as a file describes it: mass properties and, where it has one, a surface to look at.
-struct Shape {
+struct BodyShape {
   MassProperties properties;
   SceneSurface surface;
 };
@@ -25,13 +25,13 @@ class ShapeReader {
   ShapeReader(std::filesystem::path folder, bool allow_outside, Diagnostics& problems)
       : folder_(std::move(folder)), allow_outside_(allow_outside), problems_(problems) {}
 
-  std::optional<Shape> read(const std::string& label, TextPlace place, const ShapeKeys& keys,
-                            const std::vector<PartEntry>& parts);
+  std::optional<BodyShape> read(const std::string& label, TextPlace place, const ShapeKeys& keys,
+                                const std::vector<PartEntry>& parts);
 
  private:
   bool check_keys_of_kind(const std::string& label, TextPlace place, const ShapeKeys& keys, bool has_parts);
-  std::optional<Shape> read_mesh_shape(const std::string& label, const ShapeKeys& keys);
-  std::optional<Shape> read_parts(const std::string& label, const std::vector<PartEntry>& parts);
+  std::optional<BodyShape> read_mesh_shape(const std::string& label, const ShapeKeys& keys);
+  std::optional<BodyShape> read_parts(const std::string& label, const std::vector<PartEntry>& parts);
   std::optional<std::filesystem::path> inside(const std::string& label, const NameText& file);
 
   std::filesystem::path folder_;

@@ -270,6 +270,18 @@ SolveReport LinearSolver::solve_once(const Kkt& kkt, VectorXd& v, VectorXd& y) {
   return report;
 }
 
+void LinearSolver::respond(const Kkt& kkt, const VectorXd& force, VectorXd& v) {
+  const Stopwatch watch(times_.solve);
+  no_rate_.setZero(kkt.r.size());
+  std::visit(
+      [&](auto& route) {
+        route.reduce(kkt, force, no_rate_);
+        route.substitute();
+        route.expand(kkt, force, no_rate_, v, correction_y_);
+      },
+      route_);
+}
+
 std::string LinearSolver::route_name() const {
   return std::visit([](const auto& route) { return std::string(route.kName); }, route_);
 }

@@ -59,6 +59,10 @@ class LinearSolver {
   Status factor(Kkt& kkt);
   SolveReport solve(Kkt& kkt, VectorXd& v, VectorXd& y);
 
+  /// v = the velocities of A^-1 [force; 0] by the last factor, without certificate or refinement: columns of
+  /// the Delassus matrix of contacts.
+  void respond(const Kkt& kkt, const VectorXd& force, VectorXd& v);
+
   std::string route_name() const;
   /// Why this route: rows against unknowns, predicted flops of those considered.
   const std::string& choice_reason() const { return reason_; }
@@ -88,7 +92,7 @@ class LinearSolver {
   bool rank_known_ = false;          // looked at since analyze
   double suspicious_ = kSuspicious;  // pivot ratio (squared sine) below which rows may depend on each other
   RowRank rank_;
-  VectorXd residual_v_, residual_y_, correction_v_, correction_y_;
+  VectorXd residual_v_, residual_y_, correction_v_, correction_y_, no_rate_;
 };
 
 /// Names of all routes in the list, "dense" last.

@@ -8,13 +8,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 
 #include "engine/check.h"
+#include "engine/geometry/mesh_generators.h"
 #include "tests/support/finite_difference.h"
 #include "tests/support/random.h"
+#include "tests/support/refused.h"
 
 namespace feder {
 namespace {
@@ -79,67 +80,33 @@ PointMass on_sphere(double radius, double height, double angle, double weight) {
   return {weight, radius * Vector3d(across * std::cos(angle), across * std::sin(angle), height)};
 }
 
-struct Mesh {
-  std::vector<Vector3d> vertices;
-  std::vector<std::array<int, 3>> triangles;
-
+struct Mesh : TriangleMesh {
   void append(const Mesh& other, bool flipped) {
     const int first = static_cast<int>(vertices.size());
     vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
     for (const auto& [a, b, c] : other.triangles)
       triangles.push_back({first + a, first + (flipped ? c : b), first + (flipped ? b : c)});
   }
-  MassProperties properties(double density = 1.0) const {
-    return solid_mesh("mesh", density, vertices, triangles);
-  }
+  MassProperties properties(double density = 1.0) const { return solid_mesh("mesh", density, *this); }
 };
 
-/// Vertex i lies at the low or high x, y, z by the bits 0, 1, 2 of i. Face by face, two triangles each.
-Mesh box_mesh(const Vector3d& low, const Vector3d& high) {
-  Mesh mesh;
-  for (int i = 0; i < 8; ++i)
-    mesh.vertices.emplace_back((i & 1 ? high : low).x(), (i & 2 ? high : low).y(), (i & 4 ? high : low).z());
-  const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                           {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  for (const auto& f : faces) {
-    mesh.triangles.push_back({f[0], f[1], f[2]});
-    mesh.triangles.push_back({f[0], f[2], f[3]});
-  }
+Mesh box_between(const Vector3d& low, const Vector3d& high) {
+  Mesh mesh{box_mesh("box", high - low)};
+  for (Vector3d& x : mesh.vertices) x += 0.5 * (low + high);
   return mesh;
 }
 
 Mesh cube_mesh() {
-  return box_mesh(Vector3d::Constant(-0.5), Vector3d::Constant(0.5));
+  return {box_mesh("cube", Vector3d::Ones())};
 }
 
-/// A sphere of n bands from pole to pole and 2 n meridians, stretched.
 Mesh ellipsoid_mesh(const Vector3d& half_axes, int n) {
-  Mesh mesh{{half_axes.cwiseProduct(Vector3d::UnitZ()), -half_axes.cwiseProduct(Vector3d::UnitZ())}, {}};
-  for (int i = 1; i < n; ++i)
-    for (int j = 0; j < 2 * n; ++j) {
-      const double polar = pi * i / n, angle = pi * j / n, across = std::sin(polar);
-      const Vector3d x(across * std::cos(angle), across * std::sin(angle), std::cos(polar));
-      mesh.vertices.push_back(half_axes.cwiseProduct(x));
-    }
-  auto at = [n](int i, int j) { return i == 0 ? 0 : i == n ? 1 : 2 + 2 * n * (i - 1) + j % (2 * n); };
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < 2 * n; ++j) {
-      if (i < n - 1) mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      if (i > 0) mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
+  Mesh mesh{sphere_mesh("ellipsoid", 1.0, n)};
+  for (Vector3d& x : mesh.vertices) x = half_axes.cwiseProduct(x);
   return mesh;
 }
 
-/// The action ends with an InputError that says this.
-testing::AssertionResult refused(const std::string& part, const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    if (std::string(error.what()).find(part) != std::string::npos) return testing::AssertionSuccess();
-    return testing::AssertionFailure() << error.what();
-  }
-  return testing::AssertionFailure() << "accepted, expected: " << part;
-}
+using test::refused;
 
 testing::AssertionResult refused(const std::string& part, const Mesh& mesh) {
   return refused(part, [&] { (void)mesh.properties(); });
@@ -398,7 +365,7 @@ TEST(SolidMesh, ATurnedBoxFarAwayIsTheBox) {
   for (double distance : {1.0, 1e3, 1e6}) {
     const Vector3d l(0.5, 2.0, 1.0), shift = distance * random.vector();
     const Matrix3d R = random_rotation(random);
-    Mesh mesh = box_mesh(-0.5 * l, 0.5 * l);
+    Mesh mesh = box_between(-0.5 * l, 0.5 * l);
     for (Vector3d& x : mesh.vertices) x = R * x + shift;
     const double rounding = 1e-14 + 1e-15 * distance;  // of the coordinates; 4e-2 of it
     EXPECT_LT(difference(mesh.properties(3.0), moved(solid_box("box", 3.0, l), R, shift)), rounding)
@@ -426,7 +393,8 @@ TEST(SolidMesh, ConvergesWithOrderTwoInTheEdgeLength) {
 }
 
 TEST(SolidMesh, AnInnerSurfaceWoundTheOtherWayIsACavity) {
-  const Mesh outer = box_mesh({0, 0, 0}, {3, 2, 2}), inner = box_mesh({0.5, 0.25, 0.5}, {1.5, 1.25, 0.75});
+  const Mesh outer = box_between({0, 0, 0}, {3, 2, 2}),
+             inner = box_between({0.5, 0.25, 0.5}, {1.5, 1.25, 0.75});
   Mesh hollow = outer;
   hollow.append(inner, true);
   const MassProperties p = hollow.properties(2.0);
@@ -463,7 +431,7 @@ TEST(SolidMesh, RefusesAVertexThatIsNotFinite) {
 
 TEST(SolidMesh, RefusesAVolumeThatOverflows) {
   const Vector3d corner = Vector3d::Constant(1e150);
-  EXPECT_TRUE(refused("mesh: volume = inf m^3, expected a finite number", box_mesh(-corner, corner)));
+  EXPECT_TRUE(refused("mesh: volume = inf m^3, expected a finite number", box_between(-corner, corner)));
 }
 
 TEST(SolidMesh, RefusesAnOpenMesh) {
@@ -505,12 +473,12 @@ TEST(SolidMesh, RefusesAMeshWithoutVolume) {
     mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     EXPECT_TRUE(refused("the mesh is flat", mesh));
   }
-  EXPECT_NO_THROW((void)box_mesh({1, 1, 1}, {2, 2, 1 + 1e-9}).properties());
+  EXPECT_NO_THROW((void)box_between({1, 1, 1}, {2, 2, 1 + 1e-9}).properties());
 }
 
 TEST(SolidMesh, RefusesACavityOutsideTheBody) {
-  Mesh mesh = box_mesh({0, 0, 0}, {2, 1, 1});
-  mesh.append(box_mesh({5, 0, 0}, {6, 1, 1}), true);
+  Mesh mesh = box_between({0, 0, 0}, {2, 1, 1});
+  mesh.append(box_between({5, 0, 0}, {6, 1, 1}), true);
   EXPECT_TRUE(refused("mesh: smallest principal moment = -", mesh));
 }
 

@@ -75,6 +75,7 @@ TEST(Checkpoint, ComesBackBitwise) {
   EXPECT_TRUE(same(read.history.force, written.history.force));
   EXPECT_EQ(read.history.suggested_dt, written.history.suggested_dt);
   EXPECT_EQ(read.history.last_dt, written.history.last_dt);
+  EXPECT_TRUE(same(read.history.contacts, written.history.contacts));
   ASSERT_EQ(read.files.size(), 2u);
   EXPECT_EQ(read.files[1].name, "trajectory.npy");
   EXPECT_EQ(read.files[1].length, 5'000'000'000);
@@ -115,11 +116,11 @@ TEST(Checkpoint, NamesTheByteTheValueAndWhatItExpected) {
     return refusal(sealed(changed));
   };
   EXPECT_EQ(refusal("t,name\n"),
-            "run.checkpoint: byte 0: the first of 7 bytes are no checkpoint's, expected 'FEDERCP1'");
+            "run.checkpoint: byte 0: the first of 7 bytes are no checkpoint's, expected 'FEDERCP2'");
   EXPECT_EQ(refusal("FEDERCP2" + bytes.substr(8)),
             "run.checkpoint: byte 7: version 50, expected version 49 ('1')");
   EXPECT_EQ(refusal("FEDERCP"), "run.checkpoint: byte 7: the end, expected version 49 ('1')");
-  EXPECT_EQ(refusal("FEDERCP1abc"), "run.checkpoint: byte 8: 3 bytes left, expected 8 for the file's size");
+  EXPECT_EQ(refusal("FEDERCP2abc"), "run.checkpoint: byte 8: 3 bytes left, expected 8 for the file's size");
   EXPECT_EQ(refusal(bytes.substr(0, 100)), "run.checkpoint: byte 8: a file of 100 bytes that says it has " +
                                                std::to_string(size) +
                                                ", expected its size there, and all of it");

@@ -89,6 +89,7 @@ inline History sample_history(const Scene& scene, std::int64_t i) {
   history.force = random.numbers(3 * scene.model.system.nodes, 10.0);
   history.suggested_dt = random.uniform(0.0, 1.0);
   history.last_dt = random.uniform(0.0, 1.0);
+  history.contacts = random.numbers(12, 1.0);
   return history;
 }
 

@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   parse(bytes);
   if (size < 24) return 0;
   const std::uint64_t length = size;
-  std::memcpy(bytes.data(), "FEDERCP1", 8);
+  std::memcpy(bytes.data(), "FEDERCP2", 8);
   std::memcpy(bytes.data() + 8, &length, 8);
   std::uint64_t sum = 14695981039346656037ULL;
   for (std::size_t i = 0; i < size - 8; ++i)

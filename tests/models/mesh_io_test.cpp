@@ -110,7 +110,7 @@ TEST_F(MeshIo, ABoxHasItsMassPropertiesInEveryFormat) {
     const TriangleMesh mesh = read_mesh(write(name, content));
     EXPECT_EQ(mesh.vertices.size(), 8u) << name;
     EXPECT_EQ(mesh.triangles.size(), 12u) << name;
-    const MassProperties own = solid_mesh(name, kDensity, mesh.vertices, mesh.triangles);
+    const MassProperties own = solid_mesh(name, kDensity, mesh);
     EXPECT_NEAR(own.mass, mass, 1e-14 * mass) << name;
     EXPECT_LT((own.centre - kCentre).norm(), 1e-14 * kCentre.norm()) << name;
     EXPECT_LT((own.inertia - box.inertia).norm(), 1e-14 * box.inertia.norm()) << name;
