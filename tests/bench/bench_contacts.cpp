@@ -1,6 +1,6 @@
-// What contacts cost beside the step's own linear solve: a cloth that lies down on a ball, by friction and by how
-// well the contact law is to hold. Per step (finding contacts + everything the law takes) / (factor + solve),
-// medians and quartiles over the steps with contacts; one thread, all in one run.
+// What contacts cost beside the step's own linear solve: a cloth that lies down on a ball, by friction and by
+// how well the contact law is to hold. Per step (finding contacts + everything the law takes) / (factor +
+// solve), medians and quartiles over the steps with contacts; one thread, all in one run.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -41,10 +41,11 @@ void measure(const std::string& spec, double dt, double tolerance) {
   const RunResult run = simulate(model.system, integrator, model.state, history,
                                  {.dt = dt, .end_time = model.end_time, .observer = observe});
   if (ratio.empty()) ratio.push_back(0.0);
+  const double steps = std::max(1.0, static_cast<double>(last.steps));
   std::printf("%-52s %7.0e  %-14s %5ld  %7.2f [%5.2f %5.2f]  %6.2f %6.2f  %7.1f\n", spec.c_str(), tolerance,
-              to_string(run.status.code), most, quantile(ratio, 0.5), quantile(ratio, 0.25), quantile(ratio, 0.75),
-              static_cast<double>(last.passes) / std::max(1L, last.steps),
-              static_cast<double>(last.factorizations) / std::max(1L, last.steps), run.seconds);
+              to_string(run.status.code), most, quantile(ratio, 0.5), quantile(ratio, 0.25),
+              quantile(ratio, 0.75), static_cast<double>(last.passes) / steps,
+              static_cast<double>(last.factorizations) / steps, run.seconds);
 }
 
 int run(const char* size) {
@@ -54,7 +55,8 @@ int run(const char* size) {
     for (const char* friction : {"0", "0.3"})
       for (const double tolerance : {1e-3, 1e-4, 1e-6}) {
         if (std::string(friction) == "0" && tolerance > 1e-6) continue;
-        measure(std::string("cloth_drop:n=") + size + ",obstacle=" + obstacle + ",friction=" + friction, 1e-3, tolerance);
+        measure(std::string("cloth_drop:n=") + size + ",obstacle=" + obstacle + ",friction=" + friction, 1e-3,
+                tolerance);
       }
   return 0;
 }
