@@ -20,6 +20,7 @@
 #include "models/incline.h"
 #include "models/ladder.h"
 #include "models/lattice.h"
+#include "models/mesh_collision.h"
 #include "models/n_pendulum.h"
 #include "models/oscillator.h"
 #include "models/parameters.h"
@@ -38,13 +39,14 @@ namespace feder {
 // THE LIST.
 const std::vector<ModelInfo>& catalog() {
   static const std::vector<ModelInfo> list = {
-      oscillator_model(),   damped_oscillator_model(), pendulum_model(),       spring_pendulum_model(),
-      chain_model(),        hanging_chain_model(),     taut_string_model(),    bending_rod_model(),
-      cloth_model(),        lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
-      plate_bridge_model(), plate_net_model(),         heavy_top_model(),      double_pendulum_model(),
-      n_pendulum_model(),   four_bar_model(),          slider_crank_model(),   flexible_linkage_model(),
-      incline_model(),      rolling_ball_model(),      ladder_model(),         stack_model(),
-      drop_model(),         bouncing_ball_model(),     cradle_model(),         cloth_drop_model(),
+      oscillator_model(),     damped_oscillator_model(), pendulum_model(),       spring_pendulum_model(),
+      chain_model(),          hanging_chain_model(),     taut_string_model(),    bending_rod_model(),
+      cloth_model(),          lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
+      plate_bridge_model(),   plate_net_model(),         heavy_top_model(),      double_pendulum_model(),
+      n_pendulum_model(),     four_bar_model(),          slider_crank_model(),   flexible_linkage_model(),
+      incline_model(),        rolling_ball_model(),      ladder_model(),         stack_model(),
+      drop_model(),           bouncing_ball_model(),     cradle_model(),         cloth_drop_model(),
+      mesh_collision_model(),
   };
   return list;
 }

@@ -42,7 +42,7 @@ Model make_mesh_collision(const MeshCollision& o) {
     fail_input(kPlace, "tube", o.tube, "m", "less than radius = " + to_text(o.radius) + " m");
   const TriangleMesh ring = torus_mesh(kPlace, o.radius, o.tube, 2 * o.detail, o.detail);
   const auto shape = std::make_shared<const CollisionMesh>(kPlace, ring);
-  const MassProperties properties = solid_mesh(kPlace, o.density, ring.vertices, ring.triangles);
+  const MassProperties properties = solid_mesh(kPlace, o.density, ring);
   const Surface surface{o.friction, o.restitution};
   const Vector3d axis = Vector3d(0.6, 0.3, 0.9).normalized(),
                  reach(o.radius + 1.5 * o.tube, 0.5 * o.offset, 0.0), approach(0.5 * o.speed, 0.0, 0.0);

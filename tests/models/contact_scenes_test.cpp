@@ -104,7 +104,7 @@ TEST(ContactScenes, StartWithoutPenetration) {
     ++scenes;
     EXPECT_GE(ContactFinder(model.system).smallest_gap(model.state, 1.0), -1e-15) << info.name;
   }
-  EXPECT_GE(scenes, 8);
+  EXPECT_GE(scenes, 9);
 }
 
 // ---- Closed forms in the words of textbooks
