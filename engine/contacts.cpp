@@ -143,6 +143,11 @@ void ContactFinder::find(const State& state, double dt, ContactRows& out) {
   for (int k = 0; k < out.count(); ++k) {
     Contact& contact = out.contacts[k];
     contact.first_block = static_cast<int>(out.blocks.size());
+    // a particle takes no torque: what touches it is met at its centre, or angular momentum would be lost
+    Vector3d point = contact.at.point;
+    for (int collider : {contact.a, contact.b})
+      if (const Collider& c = s.colliders[collider]; c.place.spin < 0 && !c.fixed)
+        point = poses_[collider].position;
     for (const auto& [collider, sign] : {std::pair{contact.a, -1.0}, std::pair{contact.b, 1.0}}) {
       const Place& place = s.colliders[collider].place;
       const Matrix3d F = sign * contact.frame;
@@ -158,7 +163,7 @@ void ContactFinder::find(const State& state, double dt, ContactRows& out) {
       add(place.node, F);
       if (place.spin < 0) continue;
       const Matrix3d R = rotation(place, state.q.data());
-      add(place.spin, -F * R * skew(R.transpose() * (contact.at.point - state.q.segment<3>(3 * place.node))));
+      add(place.spin, -F * R * skew(R.transpose() * (point - state.q.segment<3>(3 * place.node))));
     }
     contact.blocks = static_cast<int>(out.blocks.size()) - contact.first_block;
   }

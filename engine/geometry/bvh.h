@@ -62,6 +62,6 @@ extern template class Bvh<Obb>;
 /// every tree they walk.
 inline constexpr int kBvhDepth = 96;
 /// Triangles in a leaf, at most.
-inline constexpr int kBvhLeaf = 4;
+inline constexpr int kBvhLeaf = 6;
 
 }  // namespace feder

@@ -74,24 +74,21 @@ inline BoxGaps box_gaps(const Aabb& a, const Aabb& b, const Relative& frame) {
   return box_gaps(0.5 * (a.max - a.min), 0.5 * (b.max - b.min), centre, frame.rotation, frame.size);
 }
 
-inline bool exceeds(const Vector3d& x, double limit) {
-  return x[0] > limit || x[1] > limit || x[2] > limit;
+inline double largest(const Vector3d& x) {
+  return std::max(std::max(x[0], x[1]), x[2]);
 }
 
 /// Certainly apart. False says nothing.
 inline bool apart(const Aabb& a, const Aabb& b, const Relative& frame) {
   if (!frame.turned) {
-    for (int c = 0; c < 3; ++c)
-      if (b.min[c] + frame.position[c] - a.max[c] > frame.slack ||
-          a.min[c] - b.max[c] - frame.position[c] > frame.slack)
-        return true;
-    return false;
+    const Vector3d above = b.min + frame.position - a.max, below = a.min - b.max - frame.position;
+    return largest(above.cwiseMax(below)) > frame.slack;
   }
   const Vector3d half_a = 0.5 * (a.max - a.min), half_b = 0.5 * (b.max - b.min);
   const Vector3d centre = frame(0.5 * (b.min + b.max)) - 0.5 * (a.min + a.max);
-  return exceeds(centre.cwiseAbs() - half_a - frame.size * half_b, frame.slack) ||
-         exceeds((frame.rotation.transpose() * centre).cwiseAbs() - half_b - frame.size.transpose() * half_a,
-                 frame.slack);
+  return largest(centre.cwiseAbs() - half_a - frame.size * half_b) > frame.slack ||
+         largest((frame.rotation.transpose() * centre).cwiseAbs() - half_b -
+                 frame.size.transpose() * half_a) > frame.slack;
 }
 inline bool apart(const Sphere& a, const Sphere& b, const Relative& frame) {
   const double reach = a.radius + b.radius + frame.slack;
@@ -99,7 +96,7 @@ inline bool apart(const Sphere& a, const Sphere& b, const Relative& frame) {
 }
 inline bool apart(const Obb& a, const Obb& b, const Relative& frame) {
   const BoxGaps gaps = box_gaps(a, b, frame);
-  return exceeds(gaps.along_a, frame.slack) || exceeds(gaps.along_b, frame.slack);
+  return largest(gaps.along_a) > frame.slack || largest(gaps.along_b) > frame.slack;
 }
 
 /// Squared distance of two volumes, at most [m^2].

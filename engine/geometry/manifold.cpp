@@ -117,7 +117,8 @@ bool finite(const Pose& pose) {
 
 void find_contacts(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin,
                    std::vector<ContactPoint>& out) {
-  FEDER_CHECK(finite(pose_a) && finite(pose_b) && !std::isnan(margin), "poses and margin must be finite");
+  FEDER_CHECK(finite(pose_a) && finite(pose_b) && !std::isnan(margin),
+              "poses must be finite and the margin a number");
   const auto first = static_cast<std::ptrdiff_t>(out.size());
   ContactSink sink{margin, out};
   std::visit(

@@ -17,7 +17,19 @@ struct ContactPoint {
 };
 
 /// Appends the contact points of a and b whose gap is at most `margin` [m], in the order of their features.
-/// Swapping the arguments turns the normals round and changes neither points nor gaps (features may differ).
+/// Swapping the arguments turns the normals round and changes neither points nor gaps (features may differ);
+/// of two solids alike in everything, place included, no normal can be the opposite of itself.
+///
+/// The smallest gap of a pair is the distance of the solids. Where they overlap, convex ones without meshes
+/// part by -gap along the normal of the deepest point and by no less along any other; where that is not
+/// unique (concentric spheres, axes that meet) an axis of the shapes is chosen. Meshes find overlaps from
+/// their surfaces, one vertex or pair of edges at a time: right for what is shallow against their features.
+///
+/// Capsules side by side touch at both ends of their overlap, boxes at all vertices of the polygon their
+/// faces share, a torus lying flat, or with a ball centred in its hole, at four points fixed to it.
+///
+/// Misuse: a pair that refuse_pair refuses, poses or margin that are not finite (the margin may be infinite),
+/// sizes outside what engine/geometry/shape.h says.
 void find_contacts(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, double margin,
                    std::vector<ContactPoint>& out);
 

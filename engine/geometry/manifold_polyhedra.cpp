@@ -68,12 +68,14 @@ class PolyhedraContacts {
   std::vector<std::pair<int, int>> near_edges() const {
     std::vector<std::pair<int, int>> out;
     a_.visit_triangles(b_.bounds_in(a_, std::max(margin_, 0.0)), [&](int s) {
+      std::array<int, 3> edges;
+      std::ptrdiff_t count = 0;
+      for (int i = 0; i < 3; ++i)
+        if (a_.convex(a_.mesh().edge_of(s, i))) edges[count++] = a_.mesh().edge_of(s, i);
       b_.visit_triangles(b_.bounds_of(a_, s, std::max(margin_, 0.0)), [&](int t) {
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) {
-            const int p = a_.mesh().edge_of(s, i), q = b_.mesh().edge_of(t, j);
-            if (a_.convex(p) && b_.convex(q)) out.emplace_back(p, q);
-          }
+        for (int j = 0; j < 3; ++j)
+          if (const int q = b_.mesh().edge_of(t, j); b_.convex(q))
+            for (std::ptrdiff_t i = 0; i < count; ++i) out.emplace_back(edges[i], q);
       });
     });
     std::sort(out.begin(), out.end());

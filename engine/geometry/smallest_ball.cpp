@@ -75,7 +75,7 @@ Ball placed(const DVector<D>& origin, const DVector<D>& centre, const Cloud<D>& 
   return {rounded, (points.colwise() - (rounded - origin)).colwise().norm().maxCoeff()};
 }
 
-// One point out of each of kSample equal stretches: no order of the points can agree with it.
+// One point out of each of kSample equal stretches, at irregular distances.
 template <int D>
 Cloud<D> sample_of(const Points& points, const DVector<D>& origin) {
   Cloud<D> sample(points.rows(), kSample);
@@ -96,6 +96,13 @@ double outermost(const Cloud<D>& sample, const DVector<D>& centre) {
   return squared[kKept];
 }
 
+// A squared distance this large may be that of a point on the ball, by the rounding of its coordinates.
+template <int D>
+double rounded_up(double squared_radius, const DVector<D>& centre) {
+  return squared_radius +
+         kRounding * (squared_radius + std::sqrt(squared_radius) * centre.cwiseAbs().maxCoeff());
+}
+
 template <int D>
 Ball ball_of_many(const Points& points) {
   const DVector<D> origin = points.col(0);
@@ -106,7 +113,7 @@ Ball ball_of_many(const Points& points) {
 
   std::vector<double> outer(inner.support.reshaped().begin(), inner.support.reshaped().end());
   Ball best{origin, kNowhere};
-  for (int round = 0; round < kIdleRounds; ++round) {
+  for (int idle = 0; idle < kIdleRounds; ++idle) {
     const DVector<D> centre = origin + inner.centre;
     const Farthest farthest = farthest_point<D>(points.data(), points.rows(), points.cols(), centre.data(),
                                                 beyond, [&](Eigen::Index i) {
@@ -114,18 +121,19 @@ Ball ball_of_many(const Points& points) {
                                                     outer.push_back(points(j, i) - origin[j]);
                                                 });
     if (!std::isfinite(farthest.sum)) return {origin, kUnknown};
-    if (farthest.squared_distance < best.radius * best.radius)
-      best = {centre, std::sqrt(farthest.squared_distance)};
-    const double slack = kRounding * (1.0 + centre.cwiseAbs().maxCoeff() / std::sqrt(inner.squared_radius));
-    if (farthest.squared_distance <= (1.0 + slack) * inner.squared_radius) break;
+    const double radius = std::sqrt(farthest.squared_distance);
+    if (radius < (1.0 - kRounding) * best.radius) idle = 0;
+    if (radius < best.radius) best = {centre, radius};
+    if (farthest.squared_distance <= rounded_up<D>(inner.squared_radius, centre)) break;
 
     const Cloud<D> rest =
         Eigen::Map<const Cloud<D>>(outer.data(), points.rows(), std::ssize(outer) / points.rows());
     const CentredBall<D> next = ball_of<D>(rest);
     if ((next.centre - inner.centre).norm() + std::sqrt(beyond) <= std::sqrt(next.squared_radius))
       return placed<D>(origin, next.centre, rest);
+    if (next.squared_radius > (1.0 + kRounding) * inner.squared_radius) idle = 0;
     inner = next;
-    beyond = (1.0 + slack) * inner.squared_radius;
+    beyond = rounded_up<D>(inner.squared_radius, origin + inner.centre);
   }
   return best;
 }

@@ -111,7 +111,8 @@ struct Best {
   }
 };
 
-Best best_axis(const Triangle& a, const Triangle& b) {
+// Stops at the first gap above `enough`.
+Best best_axis(const Triangle& a, const Triangle& b, double enough) {
   Vector3d e[3], f[3];
   for (int i = 0; i < 3; ++i) {
     e[i] = a[(i + 1) % 3] - a[i];
@@ -121,8 +122,12 @@ Best best_axis(const Triangle& a, const Triangle& b) {
   // vertex-face, edge-edge
   best.consider(accurate_cross(e[0], e[1]), a, b);
   best.consider(accurate_cross(f[0], f[1]), a, b);
+  if (best.gap > enough) return best;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) best.consider(accurate_cross(e[i], f[j]), a, b);
+    for (int j = 0; j < 3; ++j) {
+      best.consider(accurate_cross(e[i], f[j]), a, b);
+      if (best.gap > enough) return best;
+    }
   // vertex-vertex, vertex-edge
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -130,22 +135,32 @@ Best best_axis(const Triangle& a, const Triangle& b) {
       best.consider(d, a, b);
       best.consider(accurate_cross(accurate_cross(e[i], d), e[i]), a, b);
       best.consider(accurate_cross(accurate_cross(f[j], d), f[j]), a, b);
+      if (best.gap > enough) return best;
     }
   return best;
+}
+
+Best best_axis_on_grid(const Grid& grid, const Triangle& a, const Triangle& b, double enough) {
+  return best_axis({grid(a[0]), grid(a[1]), grid(a[2])}, {grid(b[0]), grid(b[1]), grid(b[2])}, enough);
+}
+
+Grid grid_around(const Triangle& a, const Triangle& b) {
+  return Grid(merged(fit_aabb(a), fit_aabb(b)));
 }
 
 }  // namespace
 
 TriangleSeparation separation(const Triangle& a, const Triangle& b) {
-  const Grid grid(merged(fit_aabb(a), fit_aabb(b)));
-  const Best best = best_axis({grid(a[0]), grid(a[1]), grid(a[2])}, {grid(b[0]), grid(b[1]), grid(b[2])});
+  const Grid grid = grid_around(a, b);
+  const Best best = best_axis_on_grid(grid, a, b, std::numeric_limits<double>::infinity());
   if (std::isinf(best.gap)) return {};
   return {best.gap <= kGridRounding, grid.length() * best.gap, best.axis};
 }
 
 bool overlap(const Triangle& a, const Triangle& b) {
   const Answer answer = fast_test(a, b);
-  return answer == Answer::kUnknown ? separation(a, b).overlap : answer == Answer::kOverlap;
+  if (answer != Answer::kUnknown) return answer == Answer::kOverlap;
+  return best_axis_on_grid(grid_around(a, b), a, b, kGridRounding).gap <= kGridRounding;
 }
 
 }  // namespace feder

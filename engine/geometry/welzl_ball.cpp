@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "engine/check.h"
 #include "engine/geometry/circumcentre.h"
@@ -15,16 +14,22 @@ namespace {
 // Squared distances, relative: a point this little outside is inside.
 constexpr double kRounding = 1e-13;
 
+// SplitMix64: the same order with every standard library.
+std::uint64_t random_bits(std::uint64_t& state) {
+  std::uint64_t z = (state += 0x9e3779b97f4a7c15u);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
 template <int D>
 class Welzl {
  public:
   Welzl(const Eigen::Ref<const Eigen::MatrixXd>& points, std::uint64_t seed)
       : points_(points), centre_(DVector<D>::Zero(points.rows())) {
-    // Fisher-Yates with a linear congruential generator: the same order with every standard library
-    for (Eigen::Index i = points_.cols() - 1; i > 0; --i) {
-      seed = seed * 6364136223846793005u + 1442695040888963407u;
-      points_.col(i).swap(points_.col(static_cast<Eigen::Index>((seed >> 33) % (i + 1))));
-    }
+    // Fisher-Yates
+    for (Eigen::Index i = points_.cols() - 1; i > 0; --i)
+      points_.col(i).swap(points_.col(static_cast<Eigen::Index>(random_bits(seed) % (i + 1))));
   }
   WelzlBall solve() {
     enclose(points_.cols(), FewPoints<D>(points_.rows(), 0));

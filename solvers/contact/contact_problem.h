@@ -29,6 +29,7 @@ double contact_violation(const ContactProblem& problem, const VectorXd& y);
 
 struct ContactOptions {
   double tolerance = 1e-10;  ///< of the violation, relative to the largest |b|
+  double floor = 0.0;        ///< violation that is always accepted [m/s]
   int most_newton = 30;      ///< iterations between two rounds of sweeps
   int most_sweeps = 20000;   ///< of Gauss-Seidel in all
   /// Of particles on what does not move, relative to the fastest velocity: far below the step's own error.

@@ -131,7 +131,7 @@ Status ContactStep::solve(double dt, const State& state, const History& history,
     if (held_.empty()) break;
     const int left = held_.update(rows_, v);
     const double scale = std::max(v.lpNorm<Eigen::Infinity>(), state.v.lpNorm<Eigen::Infinity>());
-    if (left == 0 && held_.violation() <= options_.held_tolerance * scale) {
+    if (held_.violation() <= options_.held_tolerance * scale) {
       counts_.violation = std::max(counts_.violation, scale > 0.0 ? held_.violation() / scale : 0.0);
       break;
     }

@@ -13,9 +13,11 @@ namespace feder {
 namespace {
 
 // Contacts that approach slower than this share of the first impact's speed are at rest.
-constexpr double kAtRest = 1e-12;
+constexpr double kAtRest = 1e-9;
+// Violation of the law accepted in later rounds, as a share of that speed.
+constexpr double kFloor = 1e-12;
 // Rounds of rebounds; then one without rebound ends what still approaches.
-constexpr int kMostRounds = 1000;
+constexpr int kMostRounds = 50;
 
 // Rows of W and u that belong to some contacts only.
 ContactProblem restricted(const Eigen::MatrixXd& W, const VectorXd& u, const ContactRows& rows,
@@ -32,9 +34,9 @@ ContactProblem restricted(const Eigen::MatrixXd& W, const VectorXd& u, const Con
 
 // Impulse of contacts that approach together.
 VectorXd together(const ContactProblem& p, const ContactRows& rows, const std::vector<int>& some,
-                  bool rebound, Status& status) {
+                  bool rebound, double floor, Status& status) {
   VectorXd y = VectorXd::Zero(p.b.size());
-  status = solve_contacts(p, {}, y).status;
+  status = solve_contacts(p, {.floor = floor}, y).status;
   if (!rebound) return y;
   VectorXd back = y;
   for (std::size_t i = 0; i < some.size(); ++i)
@@ -61,6 +63,8 @@ ImpactOutcome resolve_impacts(const ContactRows& rows, const Response& respond, 
   VectorXd start;
   rows.velocities(v, start);
   VectorXd u = start;
+  bool elastic = false;
+  for (const Contact& c : rows.contacts) elastic = elastic || c.surface.restitution > 0.0;
   double speed = 0.0;
   for (int i = 0; i < k; ++i) speed = std::max(speed, -u[3 * i]);
 
@@ -69,7 +73,7 @@ ImpactOutcome resolve_impacts(const ContactRows& rows, const Response& respond, 
     for (int i = 0; i < k; ++i)
       if (u[3 * i] < -kAtRest * speed) approaching.push_back(i);
     if (approaching.empty() || out.rounds > kMostRounds) break;
-    const bool rebound = out.rounds < kMostRounds;
+    const bool rebound = out.rounds < kMostRounds && (elastic || k == 1);
     if (!rebound) {  // all of them, and nothing approaches any more
       approaching.resize(static_cast<std::size_t>(k));
       for (int i = 0; i < k; ++i) approaching[static_cast<std::size_t>(i)] = i;
@@ -86,7 +90,7 @@ ImpactOutcome resolve_impacts(const ContactRows& rows, const Response& respond, 
       if (one.status != StatusCode::kOk)
         out.status = Status::failure(one.status, "the impact of a contact has no impulse by its rule");
     } else {
-      y = together(p, rows, approaching, rebound, out.status);
+      y = together(p, rows, approaching, rebound, kFloor * speed, out.status);
     }
     if (!out.status.ok()) return out;
     for (std::size_t i = 0; i < approaching.size(); ++i) {

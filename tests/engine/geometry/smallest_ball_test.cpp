@@ -73,6 +73,7 @@ MatrixXd degenerate_points(Random& random, int d, int n, int kind) {
       for (int i = 0; i < n; ++i) points.col(i) = VectorXd(points.col(random.below(n)));
       break;
     case 2: {  // in one hyperplane
+      if (d == 1) break;
       const VectorXd normal = random.numbers(d).normalized();
       points -= normal * (normal.transpose() * points).eval();
       points.colwise() += normal;
@@ -171,11 +172,11 @@ TEST(BallThrough, RefusesNoPointsAndTooMany) {
 }
 
 TEST(SmallestBallCampaign, AgreesWithAllSubsetsOfUpToTwelvePoints) {
-  const int cases = test::campaign_cases(20000);
+  const int cases = test::campaign_cases(100000);
   double worst = 0.0, worst_outside = 0.0, worst_welzl = 0.0;
   for (int seed = 0; seed < cases; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
-    const int d = 1 + seed % 6, kind = seed / 6 % kKinds, n = 1 + random.below(seed % 50 == 0 ? 12 : 9);
+    const int d = 1 + seed % 6, kind = seed / 6 % kKinds, n = 1 + random.below(12);
     SCOPED_TRACE("seed " + std::to_string(seed) + ", d " + std::to_string(d) + ", n " + std::to_string(n) +
                  ", kind " + std::to_string(kind));
     const MatrixXd points = degenerate_points(random, d, n, kind);
@@ -212,7 +213,7 @@ TEST(SmallestBallCampaign, OfManyPointsCannotMoveInAnyDirection) {
     const MatrixXd points = degenerate_points(random, d, n, kind);
     const Ball ball = smallest_ball(points);
     EXPECT_LE(outside(points, ball), 1e-14);
-    const MatrixXd on = boundary(points.leftCols(std::min(n, 1 << 20)), ball);
+    const MatrixXd on = boundary(points, ball);
     for (int trial = 0; trial < 50; ++trial) {
       const VectorXd shifted = ball.centre + 1e-3 * random.numbers(d).normalized();
       EXPECT_GT((on.colwise() - shifted).colwise().norm().maxCoeff(), ball.radius);

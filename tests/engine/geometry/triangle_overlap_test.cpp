@@ -71,8 +71,9 @@ TEST(TriangleCampaign, EveryAnswerOutsideTheBandIsThatOfExactArithmetic) {
   for (int kind = 0; kind < kKinds; ++kind) {
     std::printf(" %d/%d", overlapping[kind], count[kind]);
     EXPECT_GT(overlapping[kind], 0) << "kind " << kind;
-    if (kind != static_cast<int>(TriangleCase::kSharedVertex) &&
-        kind != static_cast<int>(TriangleCase::kSharedEdge)) {
+    const auto named = static_cast<TriangleCase>(kind);
+    if (named != TriangleCase::kPiercing && named != TriangleCase::kSharedVertex &&
+        named != TriangleCase::kSharedEdge) {
       EXPECT_LT(overlapping[kind], count[kind]) << "kind " << kind;
     }
   }
@@ -119,7 +120,7 @@ TEST(Triangle, GapOfDisjointTrianglesIsTheirDistance) {
     worst = std::max(worst, std::abs(found.gap - expected));
   }
   EXPECT_GT(disjoint, 3000);
-  EXPECT_LT(worst, 1e-13);  // M1
+  EXPECT_LT(worst, 1e-13);  // 1.2e-15
 }
 
 TEST(Triangle, DepthAlongTheAxisIsWhatPartsThem) {
@@ -164,7 +165,7 @@ TEST(Triangle, NeedlesTipToTipAreSeparatedByTheirTips) {
   for (double apart : {1e-9, 1e-11}) {
     const Triangle b{Vector3d(1, width, 0), Vector3d(1, -width, 0), Vector3d(apart, 0, 0)};
     EXPECT_FALSE(overlap(a, b));
-    EXPECT_NEAR(separation(a, b).gap, apart, 1e-15);  // M2
+    EXPECT_NEAR(separation(a, b).gap, apart, 1e-15);  // 9e-16
     EXPECT_LT((separation(a, b).axis - Vector3d::UnitX()).norm(), 1e-15);
   }
 }

@@ -17,6 +17,11 @@ Eigen::MatrixXd random_points(Random& random, int d, int n) {
   return points;
 }
 
+VectorXd in_ball(Random& random, int d) {
+  for (;;)
+    if (const VectorXd x = random.numbers(d); x.squaredNorm() <= 1.0) return x;
+}
+
 // (d + 1)! sum_{j = 1 .. d + 1} 1/j!
 double bound(int d) {
   double bound = 0.0, term = 1.0;
@@ -35,12 +40,15 @@ TEST(WelzlBall, BoundOfTheNotesIsThreeTenFortyOne) {
 }
 
 TEST(WelzlBall, ExpectedInsideTestsPerPointStayBelowTheBound) {
-  constexpr int kRuns = 60, kPoints = 4000;
+  constexpr int kRuns = 200, kPoints = 4000;
+  double factorial = 1.0;
   for (int d : {1, 2, 3}) {
+    factorial *= d;
     Random random(static_cast<std::uint64_t>(d));
-    const Eigen::MatrixXd points = random_points(random, d, kPoints);
     double sum = 0.0, squares = 0.0;
     for (int seed = 0; seed < kRuns; ++seed) {
+      Eigen::MatrixXd points(d, kPoints);
+      for (int i = 0; i < kPoints; ++i) points.col(i) = in_ball(random, d);
       const double tests = static_cast<double>(welzl_ball(points, seed).inside_tests) / kPoints;
       sum += tests;
       squares += tests * tests;
@@ -48,7 +56,7 @@ TEST(WelzlBall, ExpectedInsideTestsPerPointStayBelowTheBound) {
     const double mean = sum / kRuns, sigma = std::sqrt((squares / kRuns - mean * mean) / kRuns);
     std::printf("d = %d: %.2f +- %.2f inside tests per point, bound %g\n", d, mean, sigma, bound(d));
     EXPECT_LT(mean, bound(d) + 3.0 * sigma) << "d " << d;
-    EXPECT_GT(mean, 0.5 * bound(d)) << "d " << d;
+    EXPECT_GT(mean, factorial + 3.0 * sigma) << "d " << d;  // "like d!", as printed, is too little
   }
 }
 
