@@ -137,7 +137,7 @@ void sweep_rules(Context& context) {
 void draw_painleve(Context& context) {
   Panel panel{.title = "Sliding jams above the curve",
               .x = {"angle of the rod [degrees]"},
-              .y = {"friction coefficient mu", .log = true, .min = 1.0, .max = 100.0}};
+              .y = {.label = "friction coefficient mu", .log = true, .min = 1.0, .max = 100.0}};
   Series curve{.label = "W_nn / |W_nt|", .markers = false};
   double least = std::numeric_limits<double>::infinity(), at = 0.0;
   for (int i = 1; i < 1800; ++i) {

@@ -6,6 +6,7 @@
 // angle'^2 = -sin angle'', that is at sin(angle) = 2/3 sin(start), whatever J.
 #include "models/ladder.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 

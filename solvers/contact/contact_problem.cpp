@@ -4,20 +4,23 @@
 // Newton, by the branch z is in:
 //   open   y = 0                stick  u = 0                slide  u_n = 0, y_t = mu y_n d, d = z_t/|z_t|:
 //   dy_t - mu d dy_n - (mu y_n/|z_t|) (E - d d^T) (dy_t - rho_t du_t) = mu y_n d - y_t
-// Redundant contacts make W singular. Newton's matrix (not the law) has kShift of W's diagonal added: the
-// part of y that W does not see stays where it is, the rest converges by that factor per iteration.
+// Redundant contacts make W singular. Newton's matrix (not the law) has a share (kShifts) of W's diagonal
+// added: the part of y that W does not see stays where it is, the rest converges by that factor per
+// iteration.
 #include "solvers/contact/contact_problem.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <vector>
 
 namespace feder {
 namespace {
 
-constexpr double kShift = 1e-8;
+// The smallest first; where targets of redundant contacts do not agree, larger ones keep the branches apart.
+constexpr double kShifts[] = {1e-8, 1e-4, 1e-2, 1e-6};
 // Rounding of W y against itself: no violation can be told below it.
 constexpr double kRounding = 1e-15;
 // What cutting into the cones may add to a violation at the bound.
@@ -82,7 +85,7 @@ void sweep(const ContactProblem& p, VectorXd& y, VectorXd& u) {
 }
 
 // One Newton step: y and u = W y + b advance. False where the matrix has no inverse.
-bool newton_step(const ContactProblem& p, VectorXd& y, VectorXd& u) {
+bool newton_step(const ContactProblem& p, double shift, VectorXd& y, VectorXd& u) {
   std::vector<int> active;
   VectorXd step = VectorXd::Zero(y.size());
   for (int i = 0; i < p.count(); ++i) {
@@ -102,7 +105,7 @@ bool newton_step(const ContactProblem& p, VectorXd& y, VectorXd& u) {
     for (int a = 0; a < m; a += 3) {
       const int i = active[a / 3];
       for (int c = 0; c < m; c += 3) matrix.block<3, 3>(a, c) = p.W.block<3, 3>(3 * i, 3 * active[c / 3]);
-      for (int k = 0; k < 3; ++k) matrix(a + k, a + k) += kShift * p.W(3 * i + k, 3 * i + k);
+      for (int k = 0; k < 3; ++k) matrix(a + k, a + k) += shift * p.W(3 * i + k, 3 * i + k);
       rhs.segment<3>(a) = -at.segment<3>(3 * i);
       const Steps rho = steps(p, i);
       const double length = p.friction[i] * std::max(0.0, y[3 * i]);
@@ -171,14 +174,19 @@ ContactReport solve_by_sweeps(const ContactProblem& p, const ContactOptions& opt
 ContactReport solve_contacts(const ContactProblem& p, const ContactOptions& options, VectorXd& y) {
   ContactReport report;
   if (p.count() == 0) return report;
+  if (!p.W.allFinite() || !p.b.allFinite()) {
+    report.status = Status::failure(StatusCode::kNonFinite, "a contact row is not finite");
+    return report;
+  }
   VectorXd u = p.W * y + p.b;
   double reached = violation(p, y, u);
   auto good = [&] { return reached <= bound(p, options, y); };
-  while (!good() && report.sweeps < options.most_sweeps) {
+  for (int round = 0; !good() && report.sweeps < options.most_sweeps; ++round) {
+    const double shift = kShifts[round % std::size(kShifts)];
     VectorXd trial = y, velocity = u;
     double best = reached;
     for (int k = 0; k < options.most_newton && !good(); ++k) {
-      if (!newton_step(p, trial, velocity)) break;
+      if (!newton_step(p, shift, trial, velocity)) break;
       ++report.newton_iterations;
       const double now = violation(p, trial, velocity);
       if (now < reached) {

@@ -30,9 +30,9 @@ constexpr double kClosed = 1e-14;  // below this fraction of tr W a direction do
 template <class Function>
 double crossing(const Function& f, double low, double high) {
   double at_low = f(low), at_high = f(high);
-  const double smallest = 0.1 * kRounding * high;
+  const double smallest = kRounding * kRounding * high;
   const bool positive = at_high > 0.0;
-  for (int kept = 0; high - low > smallest;) {
+  for (int kept = 0; high - low > std::max(smallest, 0.1 * kRounding * high);) {
     double x = (low * at_high - high * at_low) / (at_high - at_low);
     if (!(low < x && x < high)) x = 0.5 * (low + high);
     if (!(low < x && x < high)) break;
@@ -109,7 +109,8 @@ bool ImpactPath::slide() {
     if (std::abs(cross(direction, rate)) <= kRounding * flow_.largest_rate) {
       Vector3d push;
       push << flow_.normal, -flow_.tangential * direction;
-      done = slide_straight(push, growth < 0.0 ? u_.tail<2>().norm() / -growth : kInfinity);
+      const bool stops = growth < -kClosed * flow_.W.trace() * flow_.tangential;
+      done = slide_straight(push, stops ? u_.tail<2>().norm() / -growth : kInfinity);
       break;
     }
     if (result_.steps == kLargestImpactSteps) {
@@ -171,7 +172,8 @@ double ImpactPath::until_turn(const SlipSeries& series, double step) const {
 // p = p + direction * length with du = W dp, in closed form: u_n = 0 and the end are roots of a linear and of
 // a quadratic function. True at the end of the impact, false at `longest`.
 bool ImpactPath::slide_straight(const Vector3d& direction, double longest) {
-  const double slope = (flow_.W * direction)[0];
+  double slope = (flow_.W * direction)[0];
+  if (std::abs(slope) <= kClosed * flow_.W.trace() * direction.norm()) slope = 0.0;
   while (longest > 0.0) {
     const bool approaching = u_[0] < 0.0 || (u_[0] == 0.0 && slope < 0.0);
     const double to_zero = u_[0] * slope < 0.0 ? -u_[0] / slope : kInfinity;
@@ -185,7 +187,7 @@ bool ImpactPath::slide_straight(const Vector3d& direction, double longest) {
       if (rule_ == ImpactRule::kStronge)
         to_end = root >= 0.0 ? 2.0 * rest / (u_[0] + std::sqrt(root)) : kInfinity;
     }
-    if (to_end <= length) {
+    if (to_end <= length && to_end < kInfinity) {
       advance(direction, to_end);
       return true;
     }

@@ -53,10 +53,11 @@ SlipSeries::SlipSeries(const SlipFlow& flow, const Vector3d& u) {
     speed_[k + 1] = (square - known) / (2.0 * speed_[0]);
     power_[k + 1] = power + normal_velocity_[0] * speed_[k + 1];
   }
-  // At most four times the fastest rate, where a slip has no higher terms.
+  // The speed may have singularities that a slip without coupling does not show. At most four times the
+  // fastest rate, where there are no higher terms.
   step_ = 4.0 / flow.largest_rate;
   for (const int k : {kOrder - 1, kOrder}) {
-    const double last = std::hypot(slip_[0][k], slip_[1][k]);
+    const double last = std::max({std::abs(slip_[0][k]), std::abs(slip_[1][k]), std::abs(speed_[k])});
     if (last > 0.0) step_ = std::min(step_, std::pow(kTruncation * speed_[0] / last, 1.0 / k));
   }
 }

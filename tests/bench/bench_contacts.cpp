@@ -1,6 +1,6 @@
-// What contacts cost beside the step's own linear solve: a cloth that lies down on a ball, by friction and by how
-// well the contact law is to hold. Per step (finding contacts + everything the law takes) / (factor + solve),
-// medians and quartiles over the steps with contacts; one thread, all in one run.
+// What contacts cost beside the step's own linear solve: a cloth that lies down on a ball, by friction and by
+// how well the contact law is to hold. Per step (finding contacts + everything the law takes) / (factor +
+// solve), medians and quartiles over the steps with contacts; one thread, all in one run.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -13,6 +13,8 @@
 
 namespace feder {
 namespace {
+
+constexpr double kEndTime = 0.25;  // the cloth touches at 0.064 s and hangs over a third of the ball [s]
 
 double quantile(std::vector<double> x, double share) {
   const auto at = x.begin() + static_cast<long>(share * static_cast<double>(x.size() - 1));
@@ -39,23 +41,21 @@ void measure(const std::string& spec, double dt, double tolerance) {
     return true;
   };
   const RunResult run = simulate(model.system, integrator, model.state, history,
-                                 {.dt = dt, .end_time = model.end_time, .observer = observe});
+                                 {.dt = dt, .end_time = kEndTime, .observer = observe});
   if (ratio.empty()) ratio.push_back(0.0);
+  const double steps = std::max(1.0, static_cast<double>(last.steps));
   std::printf("%-52s %7.0e  %-14s %5ld  %7.2f [%5.2f %5.2f]  %6.2f %6.2f  %7.1f\n", spec.c_str(), tolerance,
-              to_string(run.status.code), most, quantile(ratio, 0.5), quantile(ratio, 0.25), quantile(ratio, 0.75),
-              static_cast<double>(last.passes) / std::max(1L, last.steps),
-              static_cast<double>(last.factorizations) / std::max(1L, last.steps), run.seconds);
+              to_string(run.status.code), most, quantile(ratio, 0.5), quantile(ratio, 0.25),
+              quantile(ratio, 0.75), static_cast<double>(last.passes) / steps,
+              static_cast<double>(last.factorizations) / steps, run.seconds);
 }
 
 int run(const char* size) {
   std::printf("%-52s %7s  %-14s %5s  %-21s  %6s %6s  %7s\n", "scene", "law to", "status", "most",
               "contacts / own solve", "passes", "refact", "s");
-  for (const char* obstacle : {"sphere", "torus"})
-    for (const char* friction : {"0", "0.3"})
-      for (const double tolerance : {1e-3, 1e-4, 1e-6}) {
-        if (std::string(friction) == "0" && tolerance > 1e-6) continue;
-        measure(std::string("cloth_drop:n=") + size + ",obstacle=" + obstacle + ",friction=" + friction, 1e-3, tolerance);
-      }
+  for (const char* friction : {"0", "0.3"})
+    for (const double tolerance : {1e-6, 1e-4, 1e-3})
+      measure(std::string("cloth_drop:n=") + size + ",friction=" + friction, 1e-3, tolerance);
   return 0;
 }
 

@@ -117,9 +117,9 @@ TEST(Checkpoint, NamesTheByteTheValueAndWhatItExpected) {
   };
   EXPECT_EQ(refusal("t,name\n"),
             "run.checkpoint: byte 0: the first of 7 bytes are no checkpoint's, expected 'FEDERCP2'");
-  EXPECT_EQ(refusal("FEDERCP2" + bytes.substr(8)),
-            "run.checkpoint: byte 7: version 50, expected version 49 ('1')");
-  EXPECT_EQ(refusal("FEDERCP"), "run.checkpoint: byte 7: the end, expected version 49 ('1')");
+  EXPECT_EQ(refusal("FEDERCP3" + bytes.substr(8)),
+            "run.checkpoint: byte 7: version 51, expected version 50 ('2')");
+  EXPECT_EQ(refusal("FEDERCP"), "run.checkpoint: byte 7: the end, expected version 50 ('2')");
   EXPECT_EQ(refusal("FEDERCP2abc"), "run.checkpoint: byte 8: 3 bytes left, expected 8 for the file's size");
   EXPECT_EQ(refusal(bytes.substr(0, 100)), "run.checkpoint: byte 8: a file of 100 bytes that says it has " +
                                                std::to_string(size) +

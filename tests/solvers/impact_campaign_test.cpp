@@ -184,5 +184,44 @@ TEST(ImpactCampaign, NoMatrixSeenGainsEnergyByPoissonsRule) {
   EXPECT_EQ(gains.gaining, 0);
 }
 
+// Condition up to 1e12 or closed directions, velocities and friction over many decades.
+TEST(ImpactCampaign, ExtremeStatesEndFiniteOrByName) {
+  Random random(3);
+  int singular = 0, limit = 0;
+  for (int i = 0; i < test::campaign_cases(200000); ++i) {
+    SCOPED_TRACE(testing::Message() << "case " << i << " of seed 3");
+    const double spread = random.uniform(0.0, 3.0);
+    Vector3d size = random.vector(spread).unaryExpr([](double x) { return std::pow(10.0, x); });
+    const bool closed = random.below(4) == 0, masked = random.below(4) == 0;
+    if (closed) size[2] = 0.0;
+    const Matrix3d turn = random.below(4) ? test::random_rotation(random) : Matrix3d::Identity();
+    Matrix3d W = turn * size.asDiagonal() * turn.transpose();
+    W = 0.5 * (W + W.transpose()).eval();
+    if (masked) W.row(2).setZero(), W.col(2).setZero();
+    Vector3d u(-std::pow(10.0, random.uniform(-12.0, 3.0)), random.uniform(), random.uniform());
+    u.tail<2>() *= std::pow(10.0, random.uniform(-18.0, 6.0));
+    u[1 + random.below(2)] *= random.below(4) ? 1.0 : 0.0;
+    const double friction =
+        random.below(2) ? std::pow(10.0, random.uniform(-12.0, 12.0)) : test::random_friction(random);
+    const double restitution = test::random_restitution(random);
+    const ImpactRule rule = random.below(2) ? ImpactRule::kStronge : ImpactRule::kPoisson;
+    const ImpactResult impact = resolve_impact(W, u, friction, restitution, rule);
+    ASSERT_TRUE(impact.impulse.allFinite() && impact.velocity.allFinite());
+    singular += impact.status == StatusCode::kSingular;
+    limit += impact.status == StatusCode::kLimitReached;
+    if (impact.status != StatusCode::kOk) {
+      EXPECT_TRUE(closed || masked);
+      continue;
+    }
+    const double size_u = u.norm() + (W * impact.impulse).norm();
+    EXPECT_GE(impact.velocity[0], -1e-9 * size_u);
+    EXPECT_LE(impact.energy_change, 1e-9 * impact.impulse.norm() * size_u);
+    if (std::isfinite(friction))
+      EXPECT_LE(impact.impulse.tail<2>().norm(), friction * impact.impulse[0] * (1.0 + 1e-12));
+  }
+  std::printf("extreme states: %d singular, %d out of steps\n", singular, limit);
+  EXPECT_LE(limit, 2);
+}
+
 }  // namespace
 }  // namespace feder

@@ -169,6 +169,32 @@ TEST(ImpactLaw, BodyThatCanOnlyMoveAlongOneLineJamsByName) {
   EXPECT_GT(free.velocity[0], 0.1);
 }
 
+TEST(ImpactLaw, InfiniteFrictionAgainstAClosedDirectionIsSingularByName) {
+  const Matrix3d W = Vector3d(1.0, 2.0, 0.0).asDiagonal();
+  const ImpactResult impact = resolve_impact(W, {-1.0, 0.3, 0.1}, kInfinity, 0.5);
+  EXPECT_EQ(impact.status, StatusCode::kSingular);
+  EXPECT_TRUE(impact.impulse.allFinite() && impact.velocity.allFinite());
+}
+
+// Without coupling u_n' = -e u_n whatever the slip does. A slip that one direction alone brakes is an entire
+// function of tau, its speed is not: the step must respect both.
+TEST(ImpactLaw, ApproachIsRepaidExactlyWithoutCoupling) {
+  Random random(11);
+  int turning = 0;
+  for (int i = 0; i < 2000; ++i) {
+    SCOPED_TRACE(i);
+    const Matrix3d W =
+        Vector3d(std::pow(10.0, random.uniform(-2.0, 2.0)), 1.0, 2.0 * random.below(2)).asDiagonal();
+    const Vector3d u(-1.0, std::pow(10.0, random.uniform(-15.0, 2.0)),
+                     std::pow(10.0, random.uniform(-15.0, 2.0)));
+    const double friction = std::pow(10.0, random.uniform(-12.0, 3.0)), e = test::random_restitution(random);
+    const ImpactResult impact = resolve_impact(W, u, friction, e);
+    EXPECT_NEAR(impact.velocity[0], e, 1e-12 * u.norm());  // 2e-14
+    turning += impact.steps > 0;
+  }
+  EXPECT_GT(turning, 1000);
+}
+
 // Notes D5(b).
 TEST(ImpactLaw, SlenderRodHasItsFirstParadoxAtFourThirds) {
   EXPECT_NEAR(critical_friction(rod_inverse_mass(std::atan(2.0))), 4.0 / 3.0, 1e-9);  // 2e-16

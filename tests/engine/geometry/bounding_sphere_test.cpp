@@ -39,7 +39,7 @@ TEST(BoundingSphereCampaign, ContainsAllPointsWithinTheSharpFactor) {
     EXPECT_LE(found, bound * (1.0 + 1e-14));
     largest = std::max(largest, found);
   }
-  EXPECT_GT(largest, 1.5);  // 1.96: the bound is reached for, not out of sight
+  EXPECT_GT(largest, 1.5);  // 1.97: the bound is reached for, not out of sight
 }
 
 TEST(BoundingSphere, PointsAtOnePoleAndOneOppositeAttainTheFactor) {

@@ -55,7 +55,7 @@ TEST(WelzlBall, ExpectedInsideTestsPerPointStayBelowTheBound) {
     }
     const double mean = sum / kRuns, sigma = std::sqrt((squares / kRuns - mean * mean) / kRuns);
     std::printf("d = %d: %.2f +- %.2f inside tests per point, bound %g\n", d, mean, sigma, bound(d));
-    EXPECT_LT(mean, bound(d) + 3.0 * sigma) << "d " << d;
+    EXPECT_LT(mean, bound(d) + 3.0 * sigma) << "d " << d;   // 3.07 +- 0.07, 9.8 +- 0.3, 36.8 +- 1.5
     EXPECT_GT(mean, factorial + 3.0 * sigma) << "d " << d;  // "like d!", as printed, is too little
   }
 }
