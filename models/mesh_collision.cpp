@@ -1,5 +1,5 @@
-// The first ring lies flat at x < 0 and moves along +x, the second stands upright across its way; both have
-// half the speed, so that the common centre stays where it is.
+// The first ring lies flat at x < 0 and moves along +x, the second stands upright across its way; each has
+// half the speed.
 #include "models/mesh_collision.h"
 
 #include <Eigen/Geometry>
@@ -25,7 +25,8 @@ const Fields<MeshCollision>& fields() {
       field("spin", &M::spin, "rad/s", "of both, about an axis askew to theirs", kAnyNumber),
       field("restitution", &M::restitution, "", "e", {0.0, 1.0}),
       field("friction", &M::friction, "", "Coulomb's mu", kNonNegative),
-      field("density", &M::density, "kg/m^3", "of both", kPositive),
+      field("density", &M::density, "kg/m^3", "of the first", kPositive),
+      field("ratio", &M::ratio, "", "density of the second over that", kPositive),
       field("radius", &M::radius, "m", "of the rings' circle", kPositive),
       field("tube", &M::tube, "m", "radius of the rings' tube, below radius", kPositive),
       field("detail", &M::detail, "corners around the tube, half of those along the ring",
@@ -42,7 +43,6 @@ Model make_mesh_collision(const MeshCollision& o) {
     fail_input(kPlace, "tube", o.tube, "m", "less than radius = " + to_text(o.radius) + " m");
   const TriangleMesh ring = torus_mesh(kPlace, o.radius, o.tube, 2 * o.detail, o.detail);
   const auto shape = std::make_shared<const CollisionMesh>(kPlace, ring);
-  const MassProperties properties = solid_mesh(kPlace, o.density, ring);
   const Surface surface{o.friction, o.restitution};
   const Vector3d axis = Vector3d(0.6, 0.3, 0.9).normalized(),
                  reach(o.radius + 1.5 * o.tube, 0.5 * o.offset, 0.0), approach(0.5 * o.speed, 0.0, 0.0);
@@ -51,10 +51,12 @@ Model make_mesh_collision(const MeshCollision& o) {
     const Matrix3d axes =
         side < 0.0 ? Matrix3d::Identity()
                    : Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
-    const Anchor body = builder.add_body(properties, {.position = side * reach,
-                                                      .orientation = axes,
-                                                      .velocity = -side * approach,
-                                                      .angular_velocity = side * o.spin * axis});
+    const double density = side < 0.0 ? o.density : o.density * o.ratio;
+    const Anchor body =
+        builder.add_body(solid_mesh(kPlace, density, ring), {.position = side * reach,
+                                                             .orientation = axes,
+                                                             .velocity = -side * approach,
+                                                             .angular_velocity = side * o.spin * axis});
     builder.add_collider(body, MeshShape{shape}, surface);
   }
   auto [system, state] = builder.build();

@@ -11,7 +11,8 @@ struct MeshCollision {
   double spin = 3.0;         ///< of both, about an axis askew to all of theirs [rad/s]
   double restitution = 0.5;  ///< e in [0, 1]
   double friction = 0.3;     ///< Coulomb's mu
-  double density = 1000.0;   ///< [kg/m^3]
+  double density = 1000.0;   ///< of the first [kg/m^3]
+  double ratio = 2.0;        ///< density of the second over that
   double radius = 0.2;       ///< of the rings' circle [m]
   double tube = 0.06;        ///< radius of the rings' tube, below `radius` [m]
   int detail = 12;           ///< corners around the tube; along the ring there are twice as many

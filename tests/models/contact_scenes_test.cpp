@@ -62,7 +62,12 @@ double coulomb_defect(const Model& model, double t) {
     columns.col(i) = column;
     if (i % 3 == 0) defect = std::max(defect, std::abs(u[i]));
   }
-  const VectorXd y = columns.completeOrthogonalDecomposition().solve(missing);
+  // least norm; then again with the friction shared out as the pushes are
+  VectorXd share = VectorXd::Ones(3 * k), y;
+  for (int pass = 0; pass < 2; ++pass) {
+    y = share.cwiseProduct((columns * share.asDiagonal()).completeOrthogonalDecomposition().solve(missing));
+    for (int i = 0; i < k; ++i) share.segment<2>(3 * i + 1).setConstant(std::sqrt(std::max(0.0, y[3 * i])));
+  }
   for (int i = 0; i < k; ++i) {
     const double mu = rows.contacts[i].surface.friction;
     defect =
@@ -76,7 +81,7 @@ class ContactMotion : public testing::TestWithParam<const char*> {};
 TEST_P(ContactMotion, ObeysNewtonAndCoulomb) {
   const Model model = make_model(GetParam());
   for (double part : {0.05, 0.13, 0.37, 0.63, 0.8})
-    EXPECT_LT(coulomb_defect(model, part * model.end_time), 1e-8) << part;  //
+    EXPECT_LT(coulomb_defect(model, part * model.end_time), 1e-11) << part;  // 4e-13
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, ContactMotion,
@@ -93,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Models, ContactMotion,
 TEST(ContactMotion, TheTestRefusesTheWrongFriction) {
   Model model = make_model("incline:friction=0.3");
   model.exact = make_model("incline:friction=0.31").exact;
-  EXPECT_GT(coulomb_defect(model, 0.3), 1e-3);  //
+  EXPECT_GT(coulomb_defect(model, 0.3), 1e-3);  // 8e-3
 }
 
 TEST(ContactScenes, StartWithoutPenetration) {
@@ -214,7 +219,7 @@ TEST(BouncingBall, TouchesThePlaneAtItsBounces) {
     // apex: the height falls with e^2
     EXPECT_NEAR(model.exact(0.5 * (t + next)).q[y] - o.radius, o.height * std::pow(0.64, n), 1e-13);
   }
-  EXPECT_EQ(model.exact(bounce_time(o, INFINITY)).q[y], o.radius);
+  EXPECT_NEAR(model.exact(bounce_time(o, INFINITY)).q[y], o.radius, 1e-15);
 }
 
 }  // namespace
