@@ -210,45 +210,38 @@ std::vector<Curve> curves_of(const Table& table) {
   return all;
 }
 
+// One panel per tower, the direct solve beside the sweeps, and the prices of all.
 Chart law_chart(const Context& context) {
-  const std::vector<Curve> curves = curves_of(context.table);
-  const auto ratio_height = static_cast<int>(context.settings.integer("ratio_height"));
-  const Axis seconds{.label = "time of a solve [s]", .log = true},
-      violation{.label = "violation / largest |b| [1]", .log = true, .min = 1e-17, .max = 10.0};
-  Panel heights{.title = "equal cubes", .x = seconds, .y = violation};
-  Panel ratios{
-      .title = fmt::format("{} cubes, top of another mass", ratio_height), .x = seconds, .y = violation};
+  Chart chart{.name = "contacts_law",
+              .title = "The contact law of one step, direct and by Gauss-Seidel",
+              .caption =
+                  "What is left of the contact law over the time spent on it, per tower of cubes; last, the "
+                  "time to a violation of 1e-8 on equal cubes.",
+              .grid_columns = 3};
+  Series direct{.label = "direct", .look = 0}, sweeps{.label = "Gauss-Seidel", .look = 1};
   Panel prices{.title = fmt::format("equal cubes, to a violation of {:.0e}", kGood),
                .x = {.label = "cubes [1]", .log = true},
-               .y = {.label = "time of a solve [s]", .log = true}};
-  Series direct{.label = "direct", .look = 0}, sweeps{.label = "Gauss-Seidel", .look = 1};
-  std::size_t look = 2;
-  for (const Curve& curve : curves) {
+               .y = {.label = "time of a solve [s]", .log = true},
+               .series = {direct, sweeps}};
+  for (const Curve& curve : curves_of(context.table)) {
     const bool is_direct = curve.solver == "direct";
-    const auto add = [&](Panel& panel, const std::string& name) {
-      look += is_direct;
-      panel.series.push_back({.label = name + (is_direct ? ", direct" : ""),
-                              .x = curve.seconds,
-                              .y = curve.violation,
-                              .look = look,
-                              .markers = is_direct,
-                              .line = !is_direct});
-    };
-    if (curve.ratio == 1.0) {
-      add(heights, fmt::format("{} cubes", curve.cubes));
-      if (std::isfinite(curve.price())) (is_direct ? direct : sweeps).add(curve.cubes, curve.price());
-    } else if (curve.cubes == ratio_height) {
-      add(ratios, fmt::format("top {:g} times", curve.ratio));
-    }
+    const std::string title =
+        curve.ratio == 1.0 ? fmt::format("{} cubes", curve.cubes)
+                           : fmt::format("{} cubes, top {:g} times as heavy", curve.cubes, curve.ratio);
+    if (chart.panels.empty() || chart.panels.back().title != title)
+      chart.panels.push_back(
+          {.title = title,
+           .x = {.label = "time of a solve [s]", .log = true},
+           .y = {.label = "violation / largest |b| [1]", .log = true, .min = 1e-17, .max = 10.0}});
+    Series series = is_direct ? direct : sweeps;
+    series.x = curve.seconds, series.y = curve.violation;
+    series.markers = is_direct, series.line = !is_direct;
+    chart.panels.back().series.push_back(std::move(series));
+    if (curve.ratio == 1.0 && std::isfinite(curve.price()))
+      prices.series[is_direct ? 0 : 1].add(curve.cubes, curve.price());
   }
-  prices.series = {direct, sweeps};
-  return {.name = "contacts_law",
-          .title = "The contact law of one step, direct and by Gauss-Seidel",
-          .caption =
-              "What is left of the contact law over the time spent on it: lines are sweeps of projected "
-              "Gauss-Seidel, single markers the direct solve of the same tower.",
-          .panels = {heights, ratios, prices},
-          .grid_columns = 3};
+  chart.panels.push_back(std::move(prices));
+  return chart;
 }
 
 // ---- Conclusions
