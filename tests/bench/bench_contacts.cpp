@@ -14,7 +14,7 @@
 namespace feder {
 namespace {
 
-constexpr double kEndTime = 0.25;  // the cloth touches at 0.064 s and hangs over a third of the ball [s]
+constexpr double kEndTime = 0.15;  // the cloth touches at 0.064 s and lies on the ball's top then [s]
 
 double quantile(std::vector<double> x, double share) {
   const auto at = x.begin() + static_cast<long>(share * static_cast<double>(x.size() - 1));
@@ -48,13 +48,14 @@ void measure(const std::string& spec, double dt, double tolerance) {
               to_string(run.status.code), most, quantile(ratio, 0.5), quantile(ratio, 0.25),
               quantile(ratio, 0.75), static_cast<double>(last.passes) / steps,
               static_cast<double>(last.factorizations) / steps, run.seconds);
+  (void)std::fflush(stdout);
 }
 
 int run(const char* size) {
   std::printf("%-52s %7s  %-14s %5s  %-21s  %6s %6s  %7s\n", "scene", "law to", "status", "most",
               "contacts / own solve", "passes", "refact", "s");
   for (const char* friction : {"0", "0.3"})
-    for (const double tolerance : {1e-6, 1e-4, 1e-3})
+    for (const double tolerance : {1e-4, 1e-6})
       measure(std::string("cloth_drop:n=") + size + ",friction=" + friction, 1e-3, tolerance);
   return 0;
 }
