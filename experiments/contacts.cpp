@@ -45,7 +45,8 @@ const ExperimentInfo kInfo{
                  {"most_sweeps", Kind::kInteger, "10000", "300000", "of Gauss-Seidel on one tower"},
                  {"repeats", Kind::kInteger, "2", "5", "timings, of which the best counts"}},
     .columns = {"study", "scene", "integrator", "dt", "status", "reason", "steps", "error", "reference_error",
-                "seconds", "scene_length", "cubes", "ratio", "contacts", "solver", "iterations", "violation"},
+                "seconds", "scene_length", "cubes", "ratio", "contacts", "solver", "newton_iterations",
+                "sweeps", "violation"},
     .cases = {"every integrator that sees contacts x scenes x dt", "towers x (direct, sweeps)"}};
 
 Cell cell(double value) {
@@ -128,32 +129,34 @@ void add_law(Context& context, const Tower& tower, const std::string& name, Solv
              const ContactOptions& options) {
   VectorXd y = VectorXd::Zero(tower.problem.b.size());
   const ContactReport report = solve(tower.problem, options, y);
+  const bool direct = name == "direct";  // sweeps are stopped on purpose
   const auto repeats = static_cast<int>(context.settings.integer("repeats"));
   const double seconds = time_solve(tower, solve, options, report.sweeps > 1000 ? 1 : repeats);
   context.table.add({{"study", "law"},
                      {"scene", tower.name()},
                      {"dt", kStep},
-                     {"status", "ok"},
+                     {"status", to_string(direct ? report.status.code : StatusCode::kOk)},
+                     {"reason", direct ? report.status.reason : ""},
                      {"seconds", seconds},
                      {"cubes", tower.cubes},
                      {"ratio", tower.ratio},
                      {"contacts", tower.problem.count()},
                      {"solver", name},
-                     {"iterations", name == "direct" ? report.newton_iterations : report.sweeps},
+                     {"newton_iterations", report.newton_iterations},
+                     {"sweeps", report.sweeps},
                      {"violation", report.violation / tower.problem.b.lpNorm<Eigen::Infinity>()}});
 }
 
 // 1, 2, 5, 10, ... sweeps, up to where the law holds to rounding.
 void study_law(Context& context, const Tower& tower) {
-  add_law(context, tower, "direct", solve_contacts, {.tolerance = kTightest});
+  add_law(context, tower, "direct", solve_contacts, {});  // as a step does it
   const std::int64_t most = context.settings.integer("most_sweeps");
   for (std::int64_t decade = 1; decade <= most; decade *= 10)
     for (const std::int64_t sweeps : {decade, 2 * decade, 5 * decade}) {
       if (sweeps > most || context.interrupted()) return;
       add_law(context, tower, "sweeps", solve_by_sweeps,
               {.tolerance = kTightest, .most_sweeps = static_cast<int>(sweeps)});
-      if (context.table.at(context.table.rows() - 1, "iterations").number() < static_cast<double>(sweeps))
-        return;
+      if (context.table.at(context.table.rows() - 1, "sweeps").number() < static_cast<double>(sweeps)) return;
     }
 }
 
@@ -184,7 +187,7 @@ struct Curve {
   int cubes = 0;
   double ratio = 0.0;
   std::string solver = "";
-  std::vector<double> seconds = {}, iterations = {}, violation = {};
+  std::vector<double> seconds = {}, newton = {}, sweeps = {}, violation = {};
 
   /// Seconds until the violation is kGood; NaN if never.
   double price() const {
@@ -204,51 +207,73 @@ std::vector<Curve> curves_of(const Table& table) {
     if (all.empty() || all.back().cubes != cubes || all.back().ratio != ratio || all.back().solver != solver)
       all.push_back({cubes, ratio, solver});
     all.back().seconds.push_back(table.at(row, "seconds").number());
-    all.back().iterations.push_back(table.at(row, "iterations").number());
+    all.back().newton.push_back(table.at(row, "newton_iterations").number());
+    all.back().sweeps.push_back(table.at(row, "sweeps").number());
     all.back().violation.push_back(std::max(table.at(row, "violation").number(), 1e-17));
   }
   return all;
 }
 
+// Towers of equal cubes, and those of one height whose top has another mass.
+struct Shown {
+  bool heights, ratios;
+};
+Shown shown_in(const Context& context, const Curve& curve) {
+  return {curve.ratio == 1.0, curve.cubes == static_cast<int>(context.settings.integer("ratio_height"))};
+}
+
 Chart law_chart(const Context& context) {
-  const std::vector<Curve> curves = curves_of(context.table);
-  const auto ratio_height = static_cast<int>(context.settings.integer("ratio_height"));
   const Axis seconds{.label = "time of a solve [s]", .log = true},
       violation{.label = "violation / largest |b| [1]", .log = true, .min = 1e-17, .max = 10.0};
-  Panel heights{.title = "equal cubes", .x = seconds, .y = violation};
-  Panel ratios{
-      .title = fmt::format("{} cubes, top of another mass", ratio_height), .x = seconds, .y = violation};
-  Panel prices{.title = fmt::format("equal cubes, to a violation of {:.0e}", kGood),
-               .x = {.label = "cubes [1]", .log = true},
-               .y = {.label = "time of a solve [s]", .log = true}};
-  Series direct{.label = "direct", .look = 0}, sweeps{.label = "Gauss-Seidel", .look = 1};
-  std::size_t look = 2;
-  for (const Curve& curve : curves) {
-    const bool is_direct = curve.solver == "direct";
-    const auto add = [&](Panel& panel, const std::string& name) {
-      look += is_direct;
-      panel.series.push_back({.label = name + (is_direct ? ", direct" : ""),
-                              .x = curve.seconds,
-                              .y = curve.violation,
-                              .look = look,
-                              .markers = is_direct,
-                              .line = !is_direct});
-    };
-    if (curve.ratio == 1.0) {
-      add(heights, fmt::format("{} cubes", curve.cubes));
-      if (std::isfinite(curve.price())) (is_direct ? direct : sweeps).add(curve.cubes, curve.price());
-    } else if (curve.cubes == ratio_height) {
-      add(ratios, fmt::format("top {:g} times", curve.ratio));
-    }
+  Panel heights{.title = "towers of n equal cubes", .x = seconds, .y = violation};
+  Panel ratios{.title = fmt::format("towers of {} under a heavy or light top",
+                                    context.settings.integer("ratio_height")),
+               .x = seconds,
+               .y = violation};
+  for (const Curve& curve : curves_of(context.table)) {
+    const bool direct = curve.solver == "direct";
+    Panel& panel = shown_in(context, curve).heights ? heights : ratios;
+    panel.series.push_back({.label = shown_in(context, curve).heights
+                                         ? fmt::format("n = {}", curve.cubes)
+                                         : fmt::format("top x {:g}", curve.ratio),
+                            .x = curve.seconds,
+                            .y = curve.violation,
+                            .markers = direct,
+                            .line = !direct});
   }
-  prices.series = {direct, sweeps};
   return {.name = "contacts_law",
           .title = "The contact law of one step, direct and by Gauss-Seidel",
           .caption =
               "What is left of the contact law over the time spent on it: lines are sweeps of projected "
-              "Gauss-Seidel, single markers the direct solve of the same tower.",
-          .panels = {heights, ratios, prices},
-          .grid_columns = 3};
+              "Gauss-Seidel, a single marker is the direct solve of the tower in that colour.",
+          .panels = {heights, ratios}};
+}
+
+Chart price_chart(const Context& context) {
+  const Axis price{.label = fmt::format("time to a violation of {:.0e} [s]", kGood), .log = true};
+  Panel heights{.title = "towers of equal cubes", .x = {.label = "cubes [1]", .log = true}, .y = price};
+  Panel ratios{.title = fmt::format("towers of {}", context.settings.integer("ratio_height")),
+               .x = {.label = "mass of the top over that of the others [1]", .log = true},
+               .y = price};
+  for (const char* solver : {"direct", "sweeps"}) {
+    Series by_height{.label = solver}, by_ratio{.label = solver};
+    std::vector<std::pair<double, double>> tops;
+    for (const Curve& curve : curves_of(context.table)) {
+      if (curve.solver != solver || !std::isfinite(curve.price())) continue;
+      if (shown_in(context, curve).heights) by_height.add(curve.cubes, curve.price());
+      if (shown_in(context, curve).ratios) tops.emplace_back(curve.ratio, curve.price());
+    }
+    std::sort(tops.begin(), tops.end());
+    for (const auto& [ratio, seconds] : tops) by_ratio.add(ratio, seconds);
+    heights.series.push_back(by_height);
+    ratios.series.push_back(by_ratio);
+  }
+  return {.name = "contacts_price",
+          .title = "What the contact law of a tower costs",
+          .caption =
+              "Time of one solve from nothing, without that for the matrix; where sweeps have no point "
+              "they do not get there within most_sweeps.",
+          .panels = {heights, ratios}};
 }
 
 // ---- Conclusions
@@ -283,10 +308,11 @@ void note_prices(Context& context) {
         std::isfinite(sweeps.price())
             ? fmt::format("sweeps take {:.3g} times as long to {:.0e}", sweeps.price() / direct.seconds[0],
                           kGood)
-            : fmt::format("{:.0f} sweeps leave {:.1e}, after {:.3g} times as long", sweeps.iterations.back(),
+            : fmt::format("{:.0f} sweeps leave {:.1e}, after {:.3g} times as long", sweeps.sweeps.back(),
                           sweeps.violation.back(), sweeps.seconds.back() / direct.seconds[0]);
-    context.note(fmt::format("{} cubes, top {:g} times as heavy: direct {:.0f} iterations to {:.1e}; {}.",
-                             direct.cubes, direct.ratio, direct.iterations[0], direct.violation[0], rival));
+    context.note(fmt::format(
+        "{} cubes, mass ratio of the top {:g}: direct, {:.0f} iterations and {:.0f} sweeps to {:.1e}; {}.",
+        direct.cubes, direct.ratio, direct.newton[0], direct.sweeps[0], direct.violation[0], rival));
   }
 }
 
@@ -312,6 +338,7 @@ void body(Context& context) {
   }
   context.add_chart(accuracy_chart(context.table));
   context.add_chart(law_chart(context));
+  context.add_chart(price_chart(context));
   note_orders(context);
   note_prices(context);
 }
