@@ -4,6 +4,7 @@
 // algorithm needs inside tests; the expected number per point of n points in R^d stays below (notes A17)
 //   (d + 1)! sum_{j = 1 .. d + 1} 1/j! = 3, 10, 41 for d = 1, 2, 3.
 #include <fmt/format.h>
+#include <time.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -34,8 +35,18 @@ double uniform(std::mt19937_64& random) {
 
 // ---- Time of one call
 
-struct Timing {
-  double best = 0.0, median = 0.0;
+// Of this thread on the processor: what else runs on the machine disturbs it less than time on the wall.
+class ThreadStopwatch {
+ public:
+  double seconds() const { return now() - begin_; }
+
+ private:
+  static double now() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  }
+  double begin_ = now();
 };
 
 struct Limits {
@@ -43,25 +54,27 @@ struct Limits {
   double max_seconds;
 };
 
-// measure() returns the seconds of one call.
+// Smallest of several; measure() returns the seconds of one call.
 template <class Measure>
-Timing repeat(const Limits& limits, Measure&& measure) {
-  const Stopwatch all;
-  std::vector<double> seconds;
-  do seconds.push_back(measure());
-  while (static_cast<std::int64_t>(seconds.size()) < limits.repeats && all.seconds() < limits.max_seconds);
-  return {*std::min_element(seconds.begin(), seconds.end()), median(seconds)};
+double best_within(const Limits& limits, Measure&& measure) {
+  const ThreadStopwatch all;
+  double best = measure();
+  for (std::int64_t i = 1; i < limits.repeats && all.seconds() < limits.max_seconds; ++i)
+    best = std::min(best, measure());
+  return best;
 }
 
-// Short calls are timed many at once, for a millisecond at least; the first warms up.
+// Short calls are timed many at once, for a millisecond at least. The first warms up, and has to do where it
+// is longer than the budget.
 template <class Call>
-Timing repeat_short(const Limits& limits, Call&& call) {
+double best_of_batches(const Limits& limits, Call&& call) {
   constexpr double kLeast = 1e-3;
-  const Stopwatch watch;
+  const ThreadStopwatch watch;
   call();
-  const double count = std::clamp(std::ceil(kLeast / (watch.seconds() + 1e-9)), 1.0, 1e6);
-  return repeat(limits, [&] {
-    const Stopwatch batch;
+  const double first = watch.seconds(), count = std::clamp(std::ceil(kLeast / (first + 1e-9)), 1.0, 1e6);
+  if (first > limits.max_seconds) return first;
+  return best_within(limits, [&] {
+    const ThreadStopwatch batch;
     for (double i = 0.0; i < count; ++i) call();
     return batch.seconds() / count;
   });
@@ -125,16 +138,11 @@ Scene make_scene(int n, const Settings& settings, std::uint64_t seed) {
 
 // ---- What a hierarchy costs and answers
 
-struct Answers {
-  std::vector<std::vector<TrianglePair>> pairs;  // of each placement
-  std::vector<double> distances;                 // [m]
-  double volume_tests = 0.0, leaf_pairs = 0.0;   // for all pairs, sum over the placements
-
-  double mean_pairs() const {
-    double sum = 0.0;
-    for (const auto& found : pairs) sum += static_cast<double>(found.size());
-    return sum / static_cast<double>(pairs.size());
-  }
+struct Answers {  // of each placement
+  std::vector<bool> hits;
+  std::vector<std::vector<TrianglePair>> pairs;
+  std::vector<double> distances;                           // [m]
+  double volume_tests = 0.0, leaf_pairs = 0.0, sum = 0.0;  // for all pairs, and how many these are
 };
 
 // The walk of all_overlaps, counted.
@@ -156,31 +164,27 @@ void count_tests(const Bvh<Volume>& a, const Pose& pose_a, const Bvh<Volume>& b,
 }
 
 template <class Volume>
-Status find_answers(const Scene& scene, const Bvh<Volume>& sphere, const Bvh<Volume>& torus, Answers& out) {
-  Status status;
-  for (const Placement& place : scene.placements) {
-    out.pairs.push_back(all_overlaps(sphere, place.meeting, torus, place.torus));
-    out.distances.push_back(closest_points(sphere, place.apart, torus, place.torus)->distance);
-    count_tests(sphere, place.meeting, torus, place.torus, out);
-    const bool hit = any_overlap(sphere, place.meeting, torus, place.torus).has_value();
-    if (hit == out.pairs.back().empty())
-      status = Status::failure(StatusCode::kInconsistent, "first hit and all pairs contradict each other");
+Answers find_answers(const Scene& scene, const Bvh<Volume>& sphere, const Bvh<Volume>& torus) {
+  Answers out;
+  for (const Placement& at : scene.placements) {
+    out.hits.push_back(any_overlap(sphere, at.meeting, torus, at.torus).has_value());
+    out.pairs.push_back(all_overlaps(sphere, at.meeting, torus, at.torus));
+    out.distances.push_back(closest_points(sphere, at.apart, torus, at.torus)->distance);
+    out.sum += static_cast<double>(out.pairs.back().size());
+    count_tests(sphere, at.meeting, torus, at.torus, out);
   }
-  return status;
+  return out;
 }
 
-// Every volume has to find the same.
+// Every volume has to find the same, the first hit among all pairs.
 Status compare(const Answers& first, const Answers& other) {
-  for (std::size_t i = 0; i < first.pairs.size(); ++i) {
-    if (first.pairs[i] != other.pairs[i])
-      return Status::failure(StatusCode::kInconsistent,
-                             fmt::format("placement {}: {} pairs, another volume found {}", i,
-                                         other.pairs[i].size(), first.pairs[i].size()));
-    if (!(std::abs(first.distances[i] - other.distances[i]) <= 1e-12))
-      return Status::failure(StatusCode::kInconsistent,
-                             fmt::format("placement {}: distance {} m, another volume found {} m", i,
-                                         other.distances[i], first.distances[i]));
-  }
+  for (std::size_t i = 0; i < first.pairs.size(); ++i)
+    if (other.hits[i] == other.pairs[i].empty() || first.pairs[i] != other.pairs[i] ||
+        !(std::abs(first.distances[i] - other.distances[i]) <= 1e-12))
+      return Status::failure(
+          StatusCode::kInconsistent,
+          fmt::format("placement {}: {} pairs, {} m; the first volume found {}, {} m", i,
+                      other.pairs[i].size(), other.distances[i], first.pairs[i].size(), first.distances[i]));
   return {};
 }
 
@@ -191,56 +195,48 @@ void measure_hierarchy(Context& context, const std::string& name, const Scene& s
   const double triangles = static_cast<double>(scene.sphere.triangles.size()),
                placements = static_cast<double>(scene.placements.size());
   const Bvh<Volume> sphere(scene.sphere), torus(scene.torus);
-  Answers answers;
-  Status status = find_answers(scene, sphere, torus, answers);
+  const Answers answers = find_answers(scene, sphere, torus);
   if (!agreed) agreed = answers;
-  if (status.ok()) status = compare(*agreed, answers);
+  const Status status = compare(*agreed, answers);
 
-  const auto add = [&](const char* quantity, const Timing& time, Table::Row more) {
+  const auto add = [&](const char* quantity, double seconds, Table::Row more) {
     more.insert(more.end(), {{"scene", kMeshes},
                              {"volume", name},
                              {"triangles", scene.sphere.triangles.size()},
                              {"quantity", quantity},
                              {"status", to_string(status.code)},
                              {"reason", status.reason},
-                             {"seconds", time.best},
-                             {"seconds_median", time.median}});
+                             {"seconds", seconds}});
     context.table.add(more);
     context.progress.advance(fmt::format("{} {} {}", quantity, name, triangles));
-  };
-  const auto ask = [&](auto&& query) {
-    Timing time = repeat_short(limits, [&] {
-      for (const Placement& place : scene.placements) query(place);
-    });
-    time.best /= placements, time.median /= placements;
-    return time;
   };
 
   // build and refit, the sphere alone
   Bvh<Volume> tree;
-  const Timing build = repeat(limits, [&] {
-    const Stopwatch watch;
+  const double build = best_within(limits, [&] {
+    const ThreadStopwatch watch;
     Bvh<Volume> built(scene.sphere);
     const double seconds = watch.seconds();
     tree = std::move(built);
     return seconds;
   });
-  add("build", build, {{"seconds_per_triangle", build.best / triangles}});
+  add("build", build, {{"seconds_per_triangle", build / triangles}});
   std::vector<Vector3d> moved = scene.sphere.vertices;
   for (Vector3d& p : moved) p[0] += 0.1 * p[1];
-  const Timing refit = repeat_short(limits, [&] { tree.refit(moved); });
-  add("refit", refit, {{"seconds_per_triangle", refit.best / triangles}});
+  const double refit = best_of_batches(limits, [&] { tree.refit(moved); });
+  add("refit", refit, {{"seconds_per_triangle", refit / triangles}});
 
   // queries, mean of the placements
-  add("first_hit", ask([&](const Placement& at) { return any_overlap(sphere, at.meeting, torus, at.torus); }),
-      {});
-  add("all_pairs",
-      ask([&](const Placement& at) { return all_overlaps(sphere, at.meeting, torus, at.torus); }),
-      {{"pairs", answers.mean_pairs()},
+  const auto seconds_of = [&](auto&& query) {
+    return best_of_batches(limits, [&] { std::ranges::for_each(scene.placements, query); }) / placements;
+  };
+  using At = const Placement&;
+  add("first_hit", seconds_of([&](At at) { any_overlap(sphere, at.meeting, torus, at.torus); }), {});
+  add("all_pairs", seconds_of([&](At at) { all_overlaps(sphere, at.meeting, torus, at.torus); }),
+      {{"pairs", answers.sum / placements},
        {"volume_tests", answers.volume_tests / placements},
        {"leaf_pairs", answers.leaf_pairs / placements}});
-  add("distance", ask([&](const Placement& at) { return closest_points(sphere, at.apart, torus, at.torus); }),
-      {});
+  add("distance", seconds_of([&](At at) { closest_points(sphere, at.apart, torus, at.torus); }), {});
 }
 
 void measure_meshes(Context& context) {
@@ -276,18 +272,24 @@ struct Balls {
 // Fresh points and a fresh order for every seed.
 Balls find_balls(const Context& context, int d, Eigen::Index n) {
   const std::int64_t seeds = context.settings.integer("seeds");
+  const double share = context.settings.number("max_seconds") / static_cast<double>(seeds);
   Balls out;
   for (std::int64_t seed = 0; seed < seeds; ++seed) {
     std::mt19937_64 random(context.seed + static_cast<std::uint64_t>(seed));
     Eigen::MatrixXd points(d, n);
     for (double& x : points.reshaped()) x = uniform(random);
     const std::uint64_t order = random();
-    const Stopwatch watch;
-    const Ball smallest = smallest_ball(points);
-    out.seconds.push_back(watch.seconds());
-    const Stopwatch welzl_watch;
-    const WelzlBall welzl = welzl_ball(points, order);
-    out.welzl_seconds.push_back(welzl_watch.seconds());
+    WelzlBall welzl;
+    Ball smallest;
+    const auto time = [&](auto&& call) {
+      return best_within({context.settings.integer("repeats"), share}, [&] {
+        const ThreadStopwatch watch;
+        call();
+        return watch.seconds();
+      });
+    };
+    out.welzl_seconds.push_back(time([&] { welzl = welzl_ball(points, order); }));
+    out.seconds.push_back(time([&] { smallest = smallest_ball(points); }));
     out.tests.push_back(static_cast<double>(welzl.inside_tests) / static_cast<double>(n));
     const double difference = std::abs(welzl.ball.radius - smallest.radius);
     if (!(difference <= 1e-12))
@@ -309,8 +311,7 @@ void add_balls(Context& context, int d, Eigen::Index n, const Balls& balls) {
                              {"points", n},
                              {"status", to_string(balls.status.code)},
                              {"reason", balls.status.reason},
-                             {"seconds", *std::min_element(seconds.begin(), seconds.end())},
-                             {"seconds_median", median(seconds)},
+                             {"seconds", median(seconds)},
                              {"seconds_per_point", median(seconds) / static_cast<double>(n)}});
     context.table.add(more);
     context.progress.advance(fmt::format("{} {}", quantity, n));
@@ -362,96 +363,119 @@ std::vector<Series> by_dimension(const Table& table, const char* quantity, const
   return all;
 }
 
+// Log-log, the limits of y at powers of ten.
+Panel panel(const char* title, const char* x, const char* y, std::vector<Series> series) {
+  Panel out;
+  out.title = title;
+  out.x.label = x, out.y.label = y;
+  out.x.log = out.y.log = true;
+  for (const Series& one : series)
+    for (const double value : one.y) {
+      out.y.min = std::min(out.y.min.value_or(value), std::pow(10.0, std::floor(std::log10(value))));
+      out.y.max = std::max(out.y.max.value_or(value), std::pow(10.0, std::ceil(std::log10(value))));
+    }
+  out.series = std::move(series);
+  return out;
+}
+
 Chart mesh_chart(const Table& table) {
-  struct Part {
-    const char *title, *unit, *quantity, *column;
-    std::vector<Slope> slopes;
+  const auto part = [&](const char* title, const char* y, const char* quantity, const char* column) {
+    return panel(title, "triangles T", y, by_volume(table, quantity, column));
   };
-  const Part parts[] = {
-      {"Build", "per triangle [s]", "build", "seconds_per_triangle", {}},
-      {"Refit", "per triangle [s]", "refit", "seconds_per_triangle", {}},
-      {"First hit", "per query [s]", "first_hit", "seconds", {}},
-      {"All pairs", "per query [s]", "all_pairs", "seconds", {{.order = 0.5, .label = "slope 1/2"}}},
-      {"Volume tests for all pairs",
-       "tests per query",
-       "all_pairs",
-       "volume_tests",
-       {{.order = 0.5, .label = "slope 1/2"}}},
-      {"Distance", "per query [s]", "distance", "seconds", {}}};
   Chart chart{.name = "collision_cost",
               .title = "A bumpy sphere and a bumpy torus: what their hierarchies cost",
-              .caption = "Best time of one thread, by bounding volume; T triangles in each mesh.",
+              .caption =
+                  "Best of several times of one thread on the processor; T triangles in each mesh, the "
+                  "queries' mean over "
+                  "generic poses.",
+              .panels = {part("Build", "per triangle [s]", "build", "seconds_per_triangle"),
+                         part("Refit", "per triangle [s]", "refit", "seconds_per_triangle"),
+                         part("First hit", "per query [s]", "first_hit", "seconds"),
+                         part("All pairs", "per query [s]", "all_pairs", "seconds"),
+                         part("Volume tests for all pairs", "tests per query", "all_pairs", "volume_tests"),
+                         part("Distance", "per query [s]", "distance", "seconds")},
               .grid_columns = 3};
-  for (const Part& part : parts)
-    chart.panels.push_back({.title = part.title,
-                            .x = {.label = "triangles T", .log = true},
-                            .y = {.label = part.unit, .log = true},
-                            .series = by_volume(table, part.quantity, part.column),
-                            .slopes = part.slopes});
+  for (const std::size_t curve : {3, 4})  // the pairs lie along a curve
+    chart.panels[curve].slopes = {{.order = 0.5, .label = "slope 1/2"}};
   return chart;
 }
 
 Chart ball_chart(const Table& table) {
-  Panel tests{.title = "Welzl: inside tests per point, mean of the seeds",
-              .x = {.label = "points n", .log = true},
-              .y = {.label = "tests / n", .min = 0.0, .max = 45.0},
-              .series = by_dimension(table, "welzl_ball", "tests_per_point")};
+  const auto part = [&](const char* title, const char* y, const char* quantity, const char* column) {
+    return panel(title, "points n", y, by_dimension(table, quantity, column));
+  };
+  Chart chart{
+      .name = "smallest_ball",
+      .title = "The smallest ball around points in a cube",
+      .caption = "The expected number of tests stays below the bound of each dimension.",
+      .panels = {part("Welzl: inside tests per point, mean", "tests / n", "welzl_ball", "tests_per_point"),
+                 part("Welzl: spread of the tests over the seeds", "standard deviation of tests / n",
+                      "welzl_ball", "tests_deviation"),
+                 part("welzl_ball: median time", "per point [s]", "welzl_ball", "seconds_per_point"),
+                 part("smallest_ball: median time", "per point [s]", "smallest_ball", "seconds_per_point")}};
+  for (const std::size_t count : {0, 1}) chart.panels[count].y = {chart.panels[count].y.label, false, 0.0};
+  chart.panels[0].y.max = 45.0;
   for (const int d : {1, 2, 3})
-    tests.marks.push_back({.at = bound_of_tests(d),
-                           .label = fmt::format("bound d = {}: {}", d, bound_of_tests(d)),
-                           .vertical = false});
-  Chart chart{.name = "smallest_ball",
-              .title = "The smallest ball around points in a cube",
-              .caption = "The expected number of tests stays below the bound of each dimension.",
-              .panels = {std::move(tests)}};
-  chart.panels.push_back({.title = "Welzl: spread of the tests over the seeds",
-                          .x = {.label = "points n", .log = true},
-                          .y = {.label = "standard deviation of tests / n", .log = true},
-                          .series = by_dimension(table, "welzl_ball", "tests_deviation")});
-  constexpr std::pair<const char*, const char*> kTimes[] = {{"Welzl: time", "welzl_ball"},
-                                                            {"smallest_ball: time", "smallest_ball"}};
-  for (const auto& [title, quantity] : kTimes)
-    chart.panels.push_back({.title = title,
-                            .x = {.label = "points n", .log = true},
-                            .y = {.label = "per point [s]", .log = true, .min = 1e-9, .max = 1e-6},
-                            .series = by_dimension(table, quantity, "seconds_per_point")});
+    chart.panels[0].marks.push_back({.at = bound_of_tests(d),
+                                     .label = fmt::format("bound d = {}: {}", d, bound_of_tests(d)),
+                                     .vertical = false});
+  Axis &welzl = chart.panels[2].y, &smallest = chart.panels[3].y;
+  welzl.min = smallest.min = std::min(welzl.min, smallest.min);
+  welzl.max = smallest.max = std::max(welzl.max, smallest.max);
   return chart;
 }
 
 // ---- Conclusions
 
-// Values of `column` at the largest size by group, and how fast the column grows.
-std::string last_values(const std::vector<Series>& all, double scale, bool growth) {
+std::string duration(double seconds) {
+  if (seconds < 1e-6) return fmt::format("{:.3g} ns", 1e9 * seconds);
+  if (seconds < 1e-3) return fmt::format("{:.3g} us", 1e6 * seconds);
+  return seconds < 1.0 ? fmt::format("{:.3g} ms", 1e3 * seconds) : fmt::format("{:.3g} s", seconds);
+}
+
+// What each volume takes for the largest mesh, and how that grows.
+std::string at_last(const Table& table, const char* quantity, const char* column) {
   std::string text;
-  for (const Series& series : all) {
-    if (series.x.empty()) continue;
-    text += fmt::format("{}{} {:.3g}", text.empty() ? "" : ", ", series.label, scale * series.y.back());
-    if (growth && series.x.size() > 1)
-      text += fmt::format(" (~ T^{:.2f})", fit_power(series.x, series.y).slope);
+  for (const Series& series : by_volume(table, quantity, column)) {
+    if (series.y.empty()) continue;
+    const double last = series.y.back();
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", series.label,
+                        last < 1.0 ? duration(last) : fmt::format("{:.0f}", last));
+    if (series.y.size() > 1) text += fmt::format(" (T^{:.2f})", fit_power(series.x, series.y).slope);
   }
   return text;
 }
 
 void conclude_meshes(Context& context) {
   const Table& table = context.table;
-  double triangles = 0.0, pairs = 0.0;
-  for (std::size_t row = 0; row < table.rows(); ++row)
-    if (is(table, row, "quantity", "all_pairs") && table.at(row, "triangles").number() >= triangles)
-      triangles = table.at(row, "triangles").number(), pairs = table.at(row, "pairs").number();
-  const auto values = [&](const char* quantity, const char* column, double scale, bool growth) {
-    return last_values(by_volume(table, quantity, column), scale, growth);
+  context.note(fmt::format("A build takes per triangle, for the largest mesh: {}; a refit: {}.",
+                           at_last(table, "build", "seconds_per_triangle"),
+                           at_last(table, "refit", "seconds_per_triangle")));
+  context.note(
+      fmt::format("The largest two meshes take for the first hit: {}; for all pairs: {}; for the "
+                  "distance: {}.",
+                  at_last(table, "first_hit", "seconds"), at_last(table, "all_pairs", "seconds"),
+                  at_last(table, "distance", "seconds")));
+  context.note(fmt::format("All pairs need tests of two volumes: {}; pairs of leaves: {}.",
+                           at_last(table, "all_pairs", "volume_tests"),
+                           at_last(table, "all_pairs", "leaf_pairs")));
+  // what the tighter boxes cost more, counted in queries
+  const auto dearer = [&](const char* quantity) {
+    double seconds[2] = {};  // aabb, obb
+    for (std::size_t row = 0; row < table.rows(); ++row)
+      if (is(table, row, "quantity", quantity) && !is(table, row, "volume", "sphere"))
+        seconds[is(table, row, "volume", "obb")] = table.at(row, "seconds").number();
+    return seconds[0] > 0.0 && seconds[1] > 0.0 ? seconds[1] - seconds[0] : 0.0;
   };
-  context.note(fmt::format("At {:.0f} triangles a build takes, in ns per triangle: {}; a refit: {}.",
-                           triangles, values("build", "seconds_per_triangle", 1e9, false),
-                           values("refit", "seconds_per_triangle", 1e9, false)));
-  constexpr std::pair<const char*, const char*> kQueries[] = {
-      {"first_hit", "The first hit"}, {"all_pairs", "All pairs"}, {"distance", "The distance"}};
-  for (const auto& [quantity, subject] : kQueries)
-    context.note(fmt::format("{} of two meshes of {:.0f} triangles, in microseconds: {}.", subject, triangles,
-                             values(quantity, "seconds", 1e6, true)));
-  context.note(fmt::format("Volume tests for those {:.0f} pairs: {}; pairs of leaves that remain: {}.", pairs,
-                           values("all_pairs", "volume_tests", 1.0, false),
-                           values("all_pairs", "leaf_pairs", 1.0, false)));
+  const double pairs = -dearer("all_pairs"), distance = -dearer("distance");
+  if (pairs > 0.0 && distance > 0.0)
+    context.note(
+        fmt::format("The largest two meshes under obb instead of aabb cost {} more to build, repaid by "
+                    "{:.0f} queries for all pairs or {:.0f} for the distance; a refit, {} more, by "
+                    "{:.0f} or {:.0f}.",
+                    duration(2.0 * dearer("build")), std::ceil(2.0 * dearer("build") / pairs),
+                    std::ceil(2.0 * dearer("build") / distance), duration(2.0 * dearer("refit")),
+                    std::ceil(2.0 * dearer("refit") / pairs), std::ceil(2.0 * dearer("refit") / distance)));
 }
 
 void check(const Context& context) {
@@ -503,10 +527,11 @@ ExperimentInfo about() {
                    {"points", Kind::kNumbers, "1e2:1e5:4", "1e2:1e6:9", "in the smallest ball"},
                    {"seeds", Kind::kInteger, "100", "400", "point sets and orders of each size"},
                    {"repeats", Kind::kInteger, "7", "25", "of each timing, at most"},
-                   {"max_seconds", Kind::kNumber, "0.1", "5", "budget of the repeats of a timing, s"}},
+                   {"max_seconds", Kind::kNumber, "0.1", "5",
+                    "budget of the repeats of a timing, processor s"}},
       .columns = {"scene", "volume", "triangles", "quantity", "dimension", "points", "status", "reason",
                   "pairs", "volume_tests", "leaf_pairs", "tests_per_point", "tests_deviation", "tests_bound",
-                  "seconds", "seconds_median", "seconds_per_triangle", "seconds_per_point"},
+                  "seconds", "seconds_per_triangle", "seconds_per_point"},
       .cases = {"bumpy sphere and torus: build, refit, first_hit, all_pairs, distance",
                 "points in a cube: welzl_ball, smallest_ball"}};
 }

@@ -214,66 +214,38 @@ std::vector<Curve> curves_of(const Table& table) {
   return all;
 }
 
-// Towers of equal cubes, and those of one height whose top has another mass.
-struct Shown {
-  bool heights, ratios;
-};
-Shown shown_in(const Context& context, const Curve& curve) {
-  return {curve.ratio == 1.0, curve.cubes == static_cast<int>(context.settings.integer("ratio_height"))};
-}
-
+// One panel per tower, the direct solve beside the sweeps, and the prices of all.
 Chart law_chart(const Context& context) {
-  const Axis seconds{.label = "time of a solve [s]", .log = true},
-      violation{.label = "violation / largest |b| [1]", .log = true, .min = 1e-17, .max = 10.0};
-  Panel heights{.title = "towers of n equal cubes", .x = seconds, .y = violation};
-  Panel ratios{.title = fmt::format("towers of {} under a heavy or light top",
-                                    context.settings.integer("ratio_height")),
-               .x = seconds,
-               .y = violation};
+  Chart chart{.name = "contacts_law",
+              .title = "The contact law of one step, direct and by Gauss-Seidel",
+              .caption =
+                  "What is left of the contact law over the time spent on it, per tower of cubes; last, the "
+                  "time to a violation of 1e-8 on equal cubes.",
+              .grid_columns = 3};
+  Series direct{.label = "direct", .look = 0}, sweeps{.label = "Gauss-Seidel", .look = 1};
+  Panel prices{.title = fmt::format("equal cubes, to a violation of {:.0e}", kGood),
+               .x = {.label = "cubes [1]", .log = true},
+               .y = {.label = "time of a solve [s]", .log = true},
+               .series = {direct, sweeps}};
   for (const Curve& curve : curves_of(context.table)) {
-    const bool direct = curve.solver == "direct";
-    Panel& panel = shown_in(context, curve).heights ? heights : ratios;
-    panel.series.push_back({.label = shown_in(context, curve).heights
-                                         ? fmt::format("n = {}", curve.cubes)
-                                         : fmt::format("top x {:g}", curve.ratio),
-                            .x = curve.seconds,
-                            .y = curve.violation,
-                            .markers = direct,
-                            .line = !direct});
+    const bool is_direct = curve.solver == "direct";
+    const std::string title =
+        curve.ratio == 1.0 ? fmt::format("{} cubes", curve.cubes)
+                           : fmt::format("{} cubes, top {:g} times as heavy", curve.cubes, curve.ratio);
+    if (chart.panels.empty() || chart.panels.back().title != title)
+      chart.panels.push_back(
+          {.title = title,
+           .x = {.label = "time of a solve [s]", .log = true},
+           .y = {.label = "violation / largest |b| [1]", .log = true, .min = 1e-17, .max = 10.0}});
+    Series series = is_direct ? direct : sweeps;
+    series.x = curve.seconds, series.y = curve.violation;
+    series.markers = is_direct, series.line = !is_direct;
+    chart.panels.back().series.push_back(std::move(series));
+    if (curve.ratio == 1.0 && std::isfinite(curve.price()))
+      prices.series[is_direct ? 0 : 1].add(curve.cubes, curve.price());
   }
-  return {.name = "contacts_law",
-          .title = "The contact law of one step, direct and by Gauss-Seidel",
-          .caption =
-              "What is left of the contact law over the time spent on it: lines are sweeps of projected "
-              "Gauss-Seidel, a single marker is the direct solve of the tower in that colour.",
-          .panels = {heights, ratios}};
-}
-
-Chart price_chart(const Context& context) {
-  const Axis price{.label = fmt::format("time to a violation of {:.0e} [s]", kGood), .log = true};
-  Panel heights{.title = "towers of equal cubes", .x = {.label = "cubes [1]", .log = true}, .y = price};
-  Panel ratios{.title = fmt::format("towers of {}", context.settings.integer("ratio_height")),
-               .x = {.label = "mass of the top over that of the others [1]", .log = true},
-               .y = price};
-  for (const char* solver : {"direct", "sweeps"}) {
-    Series by_height{.label = solver}, by_ratio{.label = solver};
-    std::vector<std::pair<double, double>> tops;
-    for (const Curve& curve : curves_of(context.table)) {
-      if (curve.solver != solver || !std::isfinite(curve.price())) continue;
-      if (shown_in(context, curve).heights) by_height.add(curve.cubes, curve.price());
-      if (shown_in(context, curve).ratios) tops.emplace_back(curve.ratio, curve.price());
-    }
-    std::sort(tops.begin(), tops.end());
-    for (const auto& [ratio, seconds] : tops) by_ratio.add(ratio, seconds);
-    heights.series.push_back(by_height);
-    ratios.series.push_back(by_ratio);
-  }
-  return {.name = "contacts_price",
-          .title = "What the contact law of a tower costs",
-          .caption =
-              "Time of one solve from nothing, without that for the matrix; where sweeps have no point "
-              "they do not get there within most_sweeps.",
-          .panels = {heights, ratios}};
+  chart.panels.push_back(std::move(prices));
+  return chart;
 }
 
 // ---- Conclusions
@@ -338,7 +310,6 @@ void body(Context& context) {
   }
   context.add_chart(accuracy_chart(context.table));
   context.add_chart(law_chart(context));
-  context.add_chart(price_chart(context));
   note_orders(context);
   note_prices(context);
 }

@@ -147,17 +147,8 @@ Matrix3d axes_of(const Circle& circle) {
   return out;
 }
 
-}  // namespace
-
-CircleDistance distance(const Circle& a, const Circle& b) {
-  check(a);
-  check(b);
-  if (b.radius > a.radius) {  // the smaller one is walked along
-    const CircleDistance turned = distance(b, a);
-    return {turned.distance, turned.point_b, turned.point_a};
-  }
-  const double size = (b.centre - a.centre).norm() + a.radius + b.radius;
-  if (size == 0.0) return {0.0, a.centre, b.centre};
+// Walks along b.
+CircleDistance distance_along(const Circle& a, const Circle& b, double size) {
   const Matrix3d A = axes_of(a), B = axes_of(b);
   const Matrix3d local = A.transpose() * B * (b.radius / size);
   const Pair pair{a.radius / size, A.transpose() * (b.centre - a.centre) / size, local.col(0), local.col(1)};
@@ -168,6 +159,20 @@ CircleDistance distance(const Circle& a, const Circle& b) {
   const double q = std::hypot(x[0], x[1]);
   const Vector3d below = q > 0.0 ? Vector3d(x[0] / q, x[1] / q, 0.0) : Vector3d::UnitX();
   return {size * pair.distance(t), a.centre + a.radius * (A * below), a.centre + size * (A * x)};
+}
+
+}  // namespace
+
+CircleDistance distance(const Circle& a, const Circle& b) {
+  check(a);
+  check(b);
+  const double size = (b.centre - a.centre).norm() + (a.radius + b.radius);
+  if (size == 0.0) return {0.0, a.centre, b.centre};
+
+  // along either circle: where all but one is rounding, as with circles that nearly coincide, one may err
+  const CircleDistance along_b = distance_along(a, b, size), along_a = distance_along(b, a, size);
+  if (along_b.distance <= along_a.distance) return along_b;
+  return {along_a.distance, along_a.point_b, along_a.point_a};
 }
 
 double gap(const Torus& a, const Torus& b) {

@@ -23,8 +23,8 @@ struct CircleDistance {
   Vector3d point_b = Vector3d::Zero();
 };
 
-/// To 1e-14 of the circles' size; circles that coincide but for 1e-7 or less: to 1e-3 of their distance. The
-/// same for (b, a), up to rounding. Misuse: a normal of 0, a radius < 0, numbers that are not finite.
+/// To 1e-12 of the circles' size. The same for (b, a) to the last bit. Misuse: a normal of 0, a radius < 0,
+/// numbers that are not finite.
 CircleDistance distance(const Circle& a, const Circle& b);
 
 /// Of the surfaces: > 0 apart, <= 0 they overlap (touching counts) and the tubes are this deep in each other

@@ -1,6 +1,6 @@
 // smallest_ball beside CGAL's Min_sphere_of_spheres_d (double precision, header only, compiled with the flags
 // of the library here): radii on 1e5 points, times on 1e6 points in 3-D, taken in turn in one run. Both get
-// the points in their own format; whole calls, one thread.
+// the points in their own format; whole calls, processor time of one thread.
 #include <CGAL/Min_sphere_of_points_d_traits_3.h>
 #include <CGAL/Min_sphere_of_spheres_d.h>
 #include <CGAL/Simple_cartesian.h>
