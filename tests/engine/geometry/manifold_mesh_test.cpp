@@ -22,7 +22,7 @@ TEST(SphereMesh, ABoxAsAMeshHasTheGapOfTheBox) {
 }
 
 TEST(SphereMesh, ASphereInACornerTouchesAllThreeWalls) {
-  // the corner between three plates, one mesh each would be easier: here three boxes in one mesh
+  // three plates as one mesh
   TriangleMesh walls;
   for (int axis = 0; axis < 3; ++axis) {
     const auto plate = box_surface(Vector3d::Ones());
@@ -98,8 +98,6 @@ TEST(CapsuleMesh, ABoxAsAMeshHasTheGapOfTheBox) {
   EXPECT_GT(compared, 2000);
 }
 
-// Least area that contacts must support: their projection on a plane, as the hull's area would need more
-// code, is compared by its moments.
 TEST(BoxMesh, ARestingBoxHasTheManifoldOfTwoBoxes) {
   Random random(5);
   for (int trial = 0; trial < 300; ++trial) {
