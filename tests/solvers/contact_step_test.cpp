@@ -9,7 +9,6 @@
 #include "engine/body.h"
 #include "engine/energy.h"
 #include "solvers/simulate.h"
-#include "tests/support/campaign.h"
 #include "tests/support/random.h"
 
 namespace feder {
@@ -158,63 +157,6 @@ TEST(ContactStep, ABallReboundsWithItsRestitution) {
     const Motion out = move(system, state, 1e-3, 0.1);
     ASSERT_TRUE(out.result.status.ok());
     EXPECT_NEAR(out.state.v[3 * system.bodies[0].centre + 2], 3.0 * restitution, 1e-12);
-  }
-}
-
-TEST(ContactStep, ARunInTwoPiecesIsBitwiseTheWholeRun) {
-  const auto [system, start] = thrown(11, 0.5, 0.0);
-  State whole = start, pieces = start;
-  History history, first;
-  Integrator integrator = make_integrator("implicit_euler_notes", system);
-  ASSERT_TRUE(simulate(system, integrator, whole, history, {.dt = 2e-3, .end_time = 0.8}).status.ok());
-  Integrator early = make_integrator("implicit_euler_notes", system),
-             late = make_integrator("implicit_euler_notes", system);
-  ASSERT_TRUE(simulate(system, early, pieces, first, {.dt = 2e-3, .end_time = 0.5}).status.ok());
-  EXPECT_GT(first.contacts.size(), 0);
-  ASSERT_TRUE(simulate(system, late, pieces, first, {.dt = 2e-3, .end_time = 0.8}).status.ok());
-  EXPECT_NEAR((whole.q - pieces.q).norm(), 0.0, 1e-10);  // times differ by rounding of 0.5 + n dt
-}
-
-TEST(ContactStep, IntegratorsThatDoNotSeeCollidersSaySo) {
-  const auto [system, state] = thrown(1, 0.5, 0.3);
-  int refused = 0;
-  for (const IntegratorInfo& info : integrator_list()) {
-    Integrator integrator = make_integrator(info.name, system);
-    State at = state;
-    History history;
-    const Status status = simulate(system, integrator, at, history, {.dt = 1e-3, .end_time = 1e-2}).status;
-    EXPECT_EQ(status.code, info.contacts ? StatusCode::kOk : StatusCode::kRefused) << info.name;
-    if (info.contacts) continue;
-    EXPECT_EQ(status.reason.find(info.name), 0u) << status.reason;
-    ++refused;
-  }
-  EXPECT_EQ(refused, 4);
-}
-
-TEST(ContactStepCampaign, AStackOfTenRestsForManySteps) {
-  for (const double top : {1.0, 1e4}) {
-    SystemBuilder builder;
-    builder.set_gravity({0.0, 0.0, -9.81});
-    builder.add_collider(builder.add_world_point({0, 0, 0}), HalfSpaceShape{}, {0.5, 0.0});
-    for (int i = 0; i < 10; ++i) {
-      const Anchor box =
-          builder.add_body(solid_box("box", i == 9 ? top : 1.0, {1, 1, 1}), {.position = {0, 0, 0.5 + i}});
-      builder.add_collider(box, BoxShape{{0.5, 0.5, 0.5}}, {0.5, 0.0});
-    }
-    const auto [system, state] = builder.build();
-    const int steps = test::campaign_cases(100'000);
-    const Motion out = move(system, state, 1e-3, 1e-3 * steps);
-    ASSERT_TRUE(out.result.status.ok()) << out.result.status.reason;
-    double drift = 0.0;
-    for (const Body& b : system.bodies)
-      drift =
-          std::max(drift, (out.state.q.segment<3>(3 * b.centre) - state.q.segment<3>(3 * b.centre)).norm());
-    std::printf(
-        "stack of 10, top %g kg: %d steps, drift %.2e m, %.1f contacts and %.2f Newton iterations per step\n",
-        top, steps, drift, static_cast<double>(out.counts.contacts) / steps,
-        static_cast<double>(out.counts.newton_iterations) / steps);
-    EXPECT_LT(drift, 1e-6);
-    EXPECT_GT(out.counts.contacts, 39L * steps);
   }
 }
 
