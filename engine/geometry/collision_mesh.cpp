@@ -6,54 +6,22 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <limits>
 
 #include "engine/check.h"
 #include "engine/geometry/bvh_queries.h"
+#include "engine/geometry/mesh_check.h"
 
 namespace feder {
 
 CollisionMesh::CollisionMesh(const std::string& where, TriangleMesh mesh)
-    : mesh_(std::move(mesh)), hierarchy_(mesh_) {
-  if (mesh_.triangles.empty()) fail_input(where, "number of triangles", 0, "", "a closed mesh");
-  find_edges(where);
-  find_normals(where);
+    : mesh_((check_closed_mesh(where, mesh), std::move(mesh))), hierarchy_(mesh_) {
+  find_face_and_vertex_normals(where);
+  find_edges();
 }
 
-// Both triangles of every edge.
-void CollisionMesh::find_edges(const std::string& where) {
-  struct Side {
-    int a, b, triangle, k;
-    bool forward;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh_.triangles.size());
-  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int from = mesh_.triangles[t][k], to = mesh_.triangles[t][(k + 1) % 3];
-      sides.push_back({std::min(from, to), std::max(from, to), static_cast<int>(t), k, from < to});
-    }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return std::tie(x.a, x.b, y.forward, x.triangle) < std::tie(y.a, y.b, x.forward, y.triangle);
-  });
-  triangle_edges_.resize(mesh_.triangles.size());
-  edges_.reserve(sides.size() / 2);
-  for (std::size_t i = 0; i < sides.size(); i += 2) {
-    const Side& left = sides[i];
-    const bool closed = i + 1 < sides.size() && sides[i + 1].a == left.a && sides[i + 1].b == left.b &&
-                        left.forward && !sides[i + 1].forward;
-    if (!closed)
-      fail_input(where + ", edge (" + std::to_string(left.a) + ", " + std::to_string(left.b) + ")",
-                 "triangle", left.triangle, "",
-                 "a closed mesh, two triangles with opposite directions at every edge");
-    const Side& right = sides[i + 1];
-    triangle_edges_[left.triangle][left.k] = triangle_edges_[right.triangle][right.k] =
-        static_cast<int>(edges_.size());
-    edges_.push_back({left.a, left.b, left.triangle, right.triangle});
-  }
-}
-
-void CollisionMesh::find_normals(const std::string& where) {
+void CollisionMesh::find_face_and_vertex_normals(const std::string& where) {
   face_normals_.resize(mesh_.triangles.size());
   vertex_normals_.assign(mesh_.vertices.size(), Vector3d::Zero());
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
@@ -72,9 +40,34 @@ void CollisionMesh::find_normals(const std::string& where) {
     }
   }
   for (Vector3d& n : vertex_normals_) n.normalize();
-  edge_normals_.reserve(edges_.size());
-  for (const MeshEdge& edge : edges_)
-    edge_normals_.push_back((face_normals_[edge.left] + face_normals_[edge.right]).normalized());
+}
+
+// Both triangles of every edge: neighbours in the order of the vertices, the one from a to b first.
+void CollisionMesh::find_edges() {
+  struct Side {
+    int a, b;
+    bool back;
+    int triangle, k;
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh_.triangles.size());
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int from = mesh_.triangles[t][k], to = mesh_.triangles[t][(k + 1) % 3];
+      sides.push_back({std::min(from, to), std::max(from, to), from > to, static_cast<int>(t), k});
+    }
+  std::sort(sides.begin(), sides.end());
+  triangle_edges_.resize(mesh_.triangles.size());
+  edges_.reserve(sides.size() / 2);
+  edge_normals_.reserve(sides.size() / 2);
+  for (std::size_t i = 0; i < sides.size(); i += 2) {
+    const Side &left = sides[i], &right = sides[i + 1];
+    triangle_edges_[left.triangle][left.k] = triangle_edges_[right.triangle][right.k] =
+        static_cast<int>(edges_.size());
+    edges_.push_back({left.a, left.b, left.triangle, right.triangle});
+    edge_normals_.push_back((face_normals_[left.triangle] + face_normals_[right.triangle]).normalized());
+  }
 }
 
 std::optional<SurfacePoint> CollisionMesh::closest_point(const Vector3d& p, double margin) const {

@@ -56,8 +56,8 @@ class CollisionMesh {
   void visit_triangles(const Aabb& box, Visitor&& visit) const;
 
  private:
-  void find_edges(const std::string& where);
-  void find_normals(const std::string& where);
+  void find_face_and_vertex_normals(const std::string& where);
+  void find_edges();
 
   TriangleMesh mesh_;
   Bvh<Aabb> hierarchy_;

@@ -62,7 +62,7 @@ double winding_number(const TriangleMesh& mesh, const Vector3d& p) {
   return angle / (2.0 * kPi);
 }
 
-// Full campaign: 300 stars, 1000 points each. A mean of face normals without the angles fails here.
+// Full campaign: 300 stars, 1000 points each.
 TEST(CollisionMeshCampaign, SignIsThatOfTheWindingNumber) {
   int corners = 0, inside = 0;
   for (int seed = 0; seed < test::campaign_cases(300); ++seed) {
@@ -95,6 +95,35 @@ TEST(CollisionMesh, SignedDistanceOfATorusIsTheAnalyticOne) {
     worst = std::max(worst, std::abs(solid.closest_point(p, 10.0)->signed_distance - torus_distance(p)));
   }
   EXPECT_LT(worst, 3.7e-4);
+}
+
+// A wedge whose bottom meets the origin in 20 thin triangles: by the plain mean of the face normals there,
+// points behind its edge count as inside.
+TEST(CollisionMesh, WeighsNormalsByAnglesUnlikeTheirMean) {
+  TriangleMesh mesh{{{0, 0, 0}, {0.2, 0.2, 1}}, {}};
+  const int parts = 20;
+  for (int k = 0; k <= parts; ++k) mesh.vertices.emplace_back(1.0 - 1.0 * k / parts, 1.0 * k / parts, 0.0);
+  for (int k = 0; k < parts; ++k) {
+    mesh.triangles.push_back({0, k + 3, k + 2});
+    mesh.triangles.push_back({1, k + 2, k + 3});
+  }
+  mesh.triangles.push_back({0, 2, 1});
+  mesh.triangles.push_back({0, 1, parts + 2});
+  const CollisionMesh solid("wedge", mesh);
+  Vector3d mean = Vector3d::Zero();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int vertex : mesh.triangles[t])
+      if (vertex == 0) mean += solid.face_normals()[t];
+  Random random(3);
+  int wrong = 0;
+  for (int k = 0; k < 10000; ++k) {
+    const Vector3d p = random.vector(0.1);
+    const auto nearest = solid.closest_point(p, 1.0);
+    if (nearest->feature != Feature::kVertex) continue;
+    EXPECT_GT(nearest->signed_distance, 0.0);
+    wrong += mean.dot(p - nearest->point) < 0.0;
+  }
+  EXPECT_GT(wrong, 100);
 }
 
 // Feature and index name what the point is on; normals there are unit and outward.
@@ -143,6 +172,9 @@ TEST(CollisionMesh, RefusesOpenMeshesAndTrianglesWithoutArea) {
   open.triangles.pop_back();
   EXPECT_THROW(CollisionMesh("scene", open), InputError);
   EXPECT_THROW(CollisionMesh("scene", TriangleMesh{}), InputError);
+  TriangleMesh inside_out = tetrahedron();
+  for (auto& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
+  EXPECT_THROW(CollisionMesh("scene", inside_out), InputError);
   // the corner between 1 and 2 of a triangle cut in two, one half without area
   flat.vertices.push_back({0.5, 0.5, 0});
   flat.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 4, 3}, {4, 2, 3}, {1, 2, 4}, {0, 3, 2}};
