@@ -77,10 +77,9 @@ void add_torques(const System& s, const VectorXd& q, VectorXd& f) {
 bool step_gyroscopic_terms(const System& s, double dt, VectorXd& v) {
   bool finite = true;
   for (const Body& b : s.bodies) {
-    Vector3d w = implicit_gyroscopic_step(b.moments, dt, v.segment<3>(3 * b.spin));
+    if (s.free[b.spin] != kFree) continue;  // w x I w then acts about masked axes alone
+    const Vector3d w = implicit_gyroscopic_step(b.moments, dt, v.segment<3>(3 * b.spin));
     finite = finite && w.allFinite();
-    for (int c = 0; c < 3; ++c)  // a masked axis does not turn
-      if (!(s.free[b.spin] >> c & 1)) w[c] = 0.0;
     v.segment<3>(3 * b.spin) = w;
   }
   return finite;
