@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "engine/fluid/fluid.h"
 #include "engine/kkt.h"
 
 namespace feder {
@@ -28,6 +29,7 @@ double external_energy(const System& s, const State& state) {
   double potential = s.forces.user.potential ? s.forces.user.potential(state.t, state.q) : 0.0;
   for (const LawSpring& spring : s.law_springs)
     if (spring.energy) potential += spring.energy(spring.length(state.q.data()));
+  if (s.fluid) potential += s.fluid->energy(state.q);
   return potential - s.forces.constant.head(3 * s.places()).dot(state.q.head(3 * s.places()));
 }
 

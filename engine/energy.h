@@ -10,7 +10,8 @@ double kinetic_energy(const System& system, const State& state);
 double kinetic_energy_change(const System& system, const VectorXd& v_before, const VectorXd& v_after);
 /// 1/2 phi^T D phi over the finite rows [J] (hard rows store nothing).
 double row_energy(const System& system, const State& state);
-/// -sum of constant forces . x (gravity included), and what user force and law springs have of an energy [J].
+/// -sum of constant forces . x (gravity included), and what user force, law springs and fluid have of an
+/// energy [J].
 double external_energy(const System& system, const State& state);
 /// Sum of the three [J].
 double total_energy(const System& system, const State& state);

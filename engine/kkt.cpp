@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/fluid/fluid.h"
+
 namespace feder {
 namespace {
 
@@ -111,16 +113,17 @@ void evaluate_external_forces(const System& s, const State& state, VectorXd& f) 
     if (!spring.add_force(state.q.data(), state.v.data(), f.data()))
       f[3 * spring.nodes[0]] = std::numeric_limits<double>::quiet_NaN();
   if (s.forces.user) s.forces.user.force(state.t, state.q, state.v, f);
-  if (!s.forces.user && s.law_springs.empty()) return;
+  if (s.fluid) s.fluid->add_forces(state.q, state.v, f);
+  if (!s.forces.user && s.law_springs.empty() && !s.fluid) return;
   for (int i : s.masked) f[i] = 0.0;
 }
 
 namespace {
 
-// Laws and user forces may have no value; nothing else here makes a bad number of good ones.
+// Laws, fluids and user forces may have no value; nothing else here makes a bad number of good ones.
 Status checked_external_forces(const System& s, const State& state, VectorXd& f) {
   evaluate_external_forces(s, state, f);
-  if ((!s.forces.user && s.law_springs.empty()) || f.allFinite()) return {};
+  if ((!s.forces.user && s.law_springs.empty() && !s.fluid) || f.allFinite()) return {};
   int node = 0;
   while (f.segment<3>(3 * node).allFinite()) ++node;
   return Status::failure(StatusCode::kNonFinite,

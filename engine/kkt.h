@@ -116,8 +116,8 @@ void evaluate_phi(const System& system, const VectorXd& q, VectorXd& phi);
 Status evaluate_forces(const System& system, const State& state, VectorXd& f);
 /// The same without drag and row damping: for methods that treat those implicitly.
 Status evaluate_undamped_forces(const System& system, const State& state, VectorXd& f);
-/// Constant forces, torques, law springs and user force; 0 where masked, not finite where a law spring has no
-/// length.
+/// Constant forces, torques, law springs, user force and fluid; 0 where masked, not finite where a law spring
+/// has no length.
 void evaluate_external_forces(const System& system, const State& state, VectorXd& f);
 
 }  // namespace feder

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "engine/check.h"
+#include "engine/fluid/fluid.h"
 #include "engine/geometry/manifold.h"
 #include "engine/geometry/shape_bounds.h"
 
@@ -431,6 +432,11 @@ SystemBuilder::Built SystemBuilder::build() const {
     drive(s, out.state);
     if (!out.state.q.allFinite() || !out.state.v.allFinite())
       throw InputError("system: a prescribed motion is not finite at t = 0");
+  }
+  if (fluid_) {
+    auto fluid = std::make_shared<Fluid>(*fluid_);
+    fluid->resolve(s, out.state.q);
+    s.fluid = std::move(fluid);
   }
 
   // public ids: distance rows moved by the batches, stencil rows in order

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -21,6 +22,8 @@
 #include "engine/state.h"
 
 namespace feder {
+
+class Fluid;
 
 /// THE LIST of row types beside distance rows. A type has kNodes (at most), kRows, kName, nodes, count(),
 /// stiffness, damping_time, evaluate() and hessian() (see CurvatureRow; rows between anchors: BallRow);
@@ -82,7 +85,10 @@ struct System {
   /// Per collider: for a free particle that may meet one without unknowns the stencil of its node alone,
   /// where a step keeps what such contacts add to Mt; otherwise -1.
   std::vector<int> contact_stencil;
-  bool forces_look_at_state() const { return forces.user || forces.has_torques || !law_springs.empty(); }
+  std::shared_ptr<const Fluid> fluid;  ///< particles that are smoothed mass; null if there are none
+  bool forces_look_at_state() const {
+    return forces.user || forces.has_torques || !law_springs.empty() || fluid;
+  }
 
   bool active(int row) const { return stiffness[row] > 0.0 || damping[row] > 0.0; }
   bool driven() const { return !drives.empty() || !std::get<std::vector<TurnRow>>(stencil_rows).empty(); }
@@ -162,6 +168,8 @@ class SystemBuilder {
   int add_collider(const Anchor& at, const Shape& shape, const Surface& surface = {}, int group = 0,
                    const Matrix3d& rotation = Matrix3d::Identity());
   void set_user_force(UserForce force) { user_ = std::move(force); }
+  /// Makes some of the particles a fluid (engine/fluid/fluid.h).
+  void set_fluid(std::shared_ptr<const Fluid> fluid) { fluid_ = std::move(fluid); }
 
   struct Built;
   Built build() const;
@@ -203,6 +211,7 @@ class SystemBuilder {
   Vector3d gravity_ = Vector3d::Zero();
   double drag_ = 0.0;
   UserForce user_;
+  std::shared_ptr<const Fluid> fluid_;
 };
 
 struct SystemBuilder::Built {

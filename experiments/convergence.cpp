@@ -151,7 +151,7 @@ void add_rows(Context& context, const Scene& scene, const IntegratorInfo& method
     const Point& p = points[i];
     context.table.add({{"scene", scene.name},
                        {"integrator", method.name},
-                       {"route", method.implicit ? "auto" : "none"},
+                       {"route", takes_routes(method) ? "auto" : "none"},
                        {"order", method.order},
                        {"control", control},
                        {x, p.x},

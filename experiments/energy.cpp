@@ -195,7 +195,7 @@ void add_row(Context& context, const Scene& scene, const IntegratorInfo& method,
   const double scale = energy_scale(scene.model);
   Table::Row row{{"scene", scene.name},
                  {"integrator", method.name},
-                 {"route", method.implicit ? "auto" : "none"},
+                 {"route", takes_routes(method) ? "auto" : "none"},
                  {"dt", scene.dt},
                  {"status", to_string(books.status.code)},
                  {"reason", books.status.reason},

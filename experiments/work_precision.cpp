@@ -317,14 +317,14 @@ void body(Context& context) {
               .grid_columns = specs.size() > 4 ? 3 : 2};
   long total = 0;
   for (const IntegratorInfo& method : integrator_list())
-    total += method.implicit ? static_cast<long>(routes.size()) : 1;
+    total += takes_routes(method) ? static_cast<long>(routes.size()) : 1;
   context.progress.start(total * static_cast<long>(specs.size()));
   for (const std::string& spec : specs) {
     if (context.interrupted()) break;
     const Scene scene = make_scene(context, spec);
     if (!scene.judge.status.ok()) continue;
     for (const IntegratorInfo& method : integrator_list())
-      for (const std::string& route : method.implicit ? routes : std::vector<std::string>{"none"}) {
+      for (const std::string& route : takes_routes(method) ? routes : std::vector<std::string>{"none"}) {
         if (context.interrupted()) break;
         study(context, scene, method, route);
         context.progress.advance(fmt::format("{} {} {}", spec, method.name, route));

@@ -4,19 +4,23 @@
 
 #include "engine/check.h"
 #include "models/asymmetric_top.h"
+#include "models/bath.h"
 #include "models/bending_rod.h"
 #include "models/bouncing_ball.h"
 #include "models/chain.h"
 #include "models/cloth.h"
 #include "models/cloth_drop.h"
 #include "models/cradle.h"
+#include "models/dam_break.h"
 #include "models/damped_oscillator.h"
 #include "models/double_pendulum.h"
 #include "models/drop.h"
 #include "models/flexible_linkage.h"
+#include "models/floating_body.h"
 #include "models/four_bar.h"
 #include "models/hanging_chain.h"
 #include "models/heavy_top.h"
+#include "models/hydrostatic_column.h"
 #include "models/incline.h"
 #include "models/ladder.h"
 #include "models/lattice.h"
@@ -28,6 +32,7 @@
 #include "models/plate_bridge.h"
 #include "models/plate_net.h"
 #include "models/rigid_chain.h"
+#include "models/robot_arm.h"
 #include "models/rolling_ball.h"
 #include "models/slider_crank.h"
 #include "models/spring_pendulum.h"
@@ -39,14 +44,40 @@ namespace feder {
 // THE LIST.
 const std::vector<ModelInfo>& catalog() {
   static const std::vector<ModelInfo> list = {
-      oscillator_model(),     damped_oscillator_model(), pendulum_model(),       spring_pendulum_model(),
-      chain_model(),          hanging_chain_model(),     taut_string_model(),    bending_rod_model(),
-      cloth_model(),          lattice_model(),           asymmetric_top_model(), rigid_chain_model(),
-      plate_bridge_model(),   plate_net_model(),         heavy_top_model(),      double_pendulum_model(),
-      n_pendulum_model(),     four_bar_model(),          slider_crank_model(),   flexible_linkage_model(),
-      incline_model(),        rolling_ball_model(),      ladder_model(),         stack_model(),
-      drop_model(),           bouncing_ball_model(),     cradle_model(),         cloth_drop_model(),
+      oscillator_model(),
+      damped_oscillator_model(),
+      pendulum_model(),
+      spring_pendulum_model(),
+      chain_model(),
+      hanging_chain_model(),
+      taut_string_model(),
+      bending_rod_model(),
+      cloth_model(),
+      lattice_model(),
+      asymmetric_top_model(),
+      rigid_chain_model(),
+      plate_bridge_model(),
+      plate_net_model(),
+      heavy_top_model(),
+      double_pendulum_model(),
+      n_pendulum_model(),
+      four_bar_model(),
+      slider_crank_model(),
+      flexible_linkage_model(),
+      incline_model(),
+      rolling_ball_model(),
+      ladder_model(),
+      stack_model(),
+      drop_model(),
+      bouncing_ball_model(),
+      cradle_model(),
+      cloth_drop_model(),
       mesh_collision_model(),
+      robot_arm_model(),
+      hydrostatic_column_model(),
+      dam_break_model(),
+      floating_body_model(),
+      bath_model(),
   };
   return list;
 }

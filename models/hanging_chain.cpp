@@ -1,6 +1,8 @@
 // S1(N), S1h(N): nodes 0 ... n along +x, node 0 fixed, at rest under gravity.
 #include "models/hanging_chain.h"
 
+#include <cmath>
+
 #include "models/parameters.h"
 
 namespace feder {
@@ -18,6 +20,8 @@ const Fields<H>& fields() {
       field("gravity", &H::gravity, "m/s^2", "along -y", kAnyNumber),
       field("damping_time", &H::damping_time, "s", "row damping tau", kNonNegative),
       field("drag", &H::drag, "kg/s", "linear drag of each node", kNonNegative),
+      field("load", &H::load, "kg", "added to the last mass", kNonNegative),
+      field("angle", &H::angle, "rad", "below the horizontal", kAnyNumber),
   };
   return list;
 }
@@ -26,10 +30,12 @@ const Fields<H>& fields() {
 
 Model make_hanging_chain(const HangingChain& o) {
   check_fields("model hanging_chain", fields(), o);
+  const Vector3d along(std::cos(o.angle), 0.0 - std::sin(o.angle), 0.0);
   SystemBuilder builder;
   Anchor last = builder.add_world_point(Vector3d::Zero());
   for (int i = 1; i <= o.n; ++i) {
-    const Anchor next = builder.add_particle(o.mass, {i * o.link, 0.0, 0.0});
+    const double mass = i < o.n ? o.mass : o.mass + o.load;
+    const Anchor next = builder.add_particle(mass, i * o.link * along);
     builder.add_distance(last, next, {o.stiffness, o.damping_time}, o.link);
     last = next;
   }

@@ -4,7 +4,8 @@
 
 namespace feder {
 
-/// Scenes S1(N) (springs) and S1h(N) (rods): one fixed node and n masses along +x, falling from rest.
+/// Scenes S1(N) (springs) and S1h(N) (rods): one fixed node and n masses along +x, falling from rest; turned
+/// by `angle` towards -y and with a `load` at its end if asked for.
 struct HangingChain {
   int n = 100;                ///< masses
   double mass = 0.01;         ///< of each node [kg]
@@ -13,6 +14,8 @@ struct HangingChain {
   double gravity = 9.81;      ///< along -y [m/s^2]
   double damping_time = 0.0;  ///< tau [s]
   double drag = 0.0;          ///< [kg/s]
+  double load = 0.0;          ///< added to the last mass [kg]
+  double angle = 0.0;         ///< below the horizontal [rad]
 };
 
 Model make_hanging_chain(const HangingChain& options = {});

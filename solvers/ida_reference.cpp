@@ -20,6 +20,7 @@
 #include <cstring>
 #include <memory>
 
+#include "engine/fluid/fluid.h"
 #include "solvers/stability.h"
 
 namespace feder {
@@ -170,6 +171,8 @@ Status refuse(const System& s, const State& initial, double end_time, const IdaO
       return refused("IDA: " + s.row_name(k) + " is hard: the ggl form is for such rows");
   if (!s.colliders.empty())
     return refused("IDA: colliders make velocities jump: it takes smooth scenes only");
+  if (s.fluid && s.fluid->incompressible())
+    return refused("IDA: the density rows of an incompressible fluid only push: it takes smooth scenes only");
   if (!s.has_hard_rows && o.form == IdaForm::kGgl) return refused("IDA: the ggl form needs a hard row");
   if (initial.q.size() != s.position_size() || initial.v.size() != 3 * s.nodes)
     return refused("IDA: the state does not fit the system");

@@ -139,7 +139,8 @@ Status ImplicitEulerNewton::solve_direction(double dt, const Iterate& at) {
 
 // Forces without an energy have their slope at the iterate only: no reason to go far along it.
 bool ImplicitEulerNewton::frozen() const {
-  return !system_->law_springs.empty() || (system_->forces.user && !system_->forces.user.potential);
+  return !system_->law_springs.empty() || system_->fluid ||
+         (system_->forces.user && !system_->forces.user.potential);
 }
 
 double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitude) const {
@@ -155,8 +156,8 @@ double ImplicitEulerNewton::merit(double dt, const Iterate& at, double& magnitud
     else if (kkt_.inverse_gamma[k] > 0.0)
       rows += kkt_.inverse_gamma[k] / (dt * dt) * (0.5 * phi * phi - remembered_[k] * phi);
   }
-  // law springs and a user force without a potential are frozen at the current iterate: the slope there is
-  // still right
+  // law springs, a fluid and a user force without a potential are frozen at the current iterate: the slope
+  // there is still right
   const double external = s.forces.user && !frozen() ? s.forces.user.potential(at.state.t, at.state.q) -
                                                            dt * s.forces.constant.dot(at.state.v)
                                                      : -dt * frozen_force_.dot(at.state.v);

@@ -9,6 +9,12 @@
 
 namespace feder {
 
+/// How a sweep shares a correction among the nodes of a row.
+enum class RowWeights {
+  kMass,    ///< by inverse mass: closes the row
+  kHalved,  ///< half of that, as the notes print it (H5): kept to show what is lost
+};
+
 /// What every integrator is built with; each takes what it needs.
 struct IntegratorOptions {
   std::string route = "auto";  ///< linear route of the implicit ones
@@ -16,6 +22,10 @@ struct IntegratorOptions {
   RotationUpdate rotation_update = RotationUpdate::kExponential;  ///< explicit Euler, one-step implicit Euler
   double newton_tolerance = 1e-14;  ///< relative residual of the momentum balance
   int most_newton_iterations = 200;
+  int sweeps = 20;           ///< over the rows, per substep
+  int substeps = 1;          ///< equal parts a step of the sweeping ones is cut into
+  bool frozen_rows = false;  ///< sweeps keep J and the linear phi of the substep's start
+  RowWeights row_weights = RowWeights::kMass;
 };
 
 /// What an integrator tells about itself.
@@ -25,7 +35,9 @@ struct IntegratorInfo {
   bool implicit;
   bool symmetric;  ///< its own adjoint: the error has even powers of dt only; symplectic without damping
   const char* summary;
-  bool contacts = false;  ///< keeps colliders apart within its step; others run between impacts
+  bool contacts = false;        ///< keeps colliders apart within its step; others run between impacts
+  bool iterative = false;       ///< rows are held only as well as its sweeps do
+  bool incompressible = false;  ///< holds a fluid of infinite sound speed
 };
 
 /// Work done since prepare().

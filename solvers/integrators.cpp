@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "engine/check.h"
+#include "engine/fluid/fluid.h"
 
 namespace feder {
 
@@ -32,6 +33,10 @@ std::string refusal(const Integrator& integrator, const System& system) {
     return std::string(info(integrator).name) +
            " does not see colliders in its step: run it between impacts (simulate_impacts), or take one of "
            "implicit_euler_notes, implicit_euler_geometric";
+  if (system.fluid && system.fluid->incompressible() && !info(integrator).incompressible)
+    return std::string(info(integrator).name) +
+           " has no rows for the density of an incompressible fluid: give it a sound speed, or take "
+           "symplectic_euler";
   return std::visit([&](const auto& i) { return i.refusal(system); }, integrator);
 }
 

@@ -10,13 +10,15 @@
 #include "solvers/implicit_euler_newton.h"
 #include "solvers/leapfrog.h"
 #include "solvers/rk4.h"
+#include "solvers/symplectic_euler.h"
+#include "solvers/xpbd.h"
 
 namespace feder {
 
 /// THE LIST of time integrators. Adding one is its file pair and its name here; tests and experiments pick it
 /// up.
-using Integrator = std::variant<ExplicitEuler, Leapfrog, Rk4, ImplicitEulerNotes, ImplicitEulerGeometric,
-                                ImplicitEulerNewton>;
+using Integrator = std::variant<ExplicitEuler, SymplecticEuler, Leapfrog, Rk4, ImplicitEulerNotes,
+                                ImplicitEulerGeometric, ImplicitEulerNewton, Xpbd>;
 
 /// Calls visit.template operator()<T>() for every integrator type, in list order.
 template <class Visit>

@@ -13,6 +13,7 @@
 #include <iterator>
 
 #include "engine/check.h"
+#include "engine/fluid/fluid.h"
 #include "solvers/scene_hash.h"
 #include "solvers/simulate.h"
 #include "solvers/stability.h"
@@ -191,7 +192,8 @@ Reference ida_reference(const System& s, const State& initial, double end_time, 
 
 Reference explicit_reference(const System& s, const State& initial, double end_time,
                              const ReferenceOptions& o) {
-  const bool symplectic = !s.has_damping && !s.forces.has_drag && !s.forces.user && s.law_springs.empty();
+  const bool symplectic = !s.has_damping && !s.forces.has_drag && !s.forces.user && s.law_springs.empty() &&
+                          !(s.fluid && s.fluid->dissipates());
   const char* name = symplectic ? "leapfrog" : "rk4";
   Reference r{{}, initial, 0.0, name, false};
   const double rate = largest_rate(s, initial);
@@ -255,7 +257,7 @@ std::optional<fs::path> reference_cache_file(const System& s, const State& initi
   FEDER_CHECK(initial.q.size() == s.position_size() && initial.v.size() == 3 * s.nodes,
               "the state does not fit the system");
   const fs::path folder = o.cache_folder.empty() ? default_cache_folder() : o.cache_folder;
-  if (!o.use_cache || s.forces.user || s.driven() || !s.law_springs.empty() || !s.bodies.empty() ||
+  if (!o.use_cache || s.forces.user || s.driven() || !s.law_springs.empty() || s.fluid || !s.bodies.empty() ||
       !s.colliders.empty() || folder.empty())
     return std::nullopt;
   char name[32];
@@ -265,6 +267,9 @@ std::optional<fs::path> reference_cache_file(const System& s, const State& initi
 }
 
 Reference make_reference(const System& s, const State& initial, double end_time, const ReferenceOptions& o) {
+  if (s.fluid && s.fluid->incompressible())
+    return {Status::failure(StatusCode::kRefused, "no judge holds the density of an incompressible fluid"),
+            initial, 0.0, "", false};
   const std::optional<fs::path> file = reference_cache_file(s, initial, end_time, o);
   const std::uint64_t hash = file ? reference_hash(s, initial, end_time, o) : 0;
   if (file)

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "engine/kkt.h"
+#include "solvers/fluid_stability.h"
 #include "solvers/stability_modes.h"
 
 namespace feder {
@@ -295,6 +296,27 @@ StabilityLimit notes_step_limit_of(const Linearization& system) {
   return {1.0 / mu, "geometric stiffness exceeds Km: 4 M + 2 dt C + dt^2 (Km - Kg) is singular"};
 }
 
+// Symplectic Euler: M (z-1)^2 + dt C (z-1) + dt^2 K z = 0 leaves the unit circle at z = -1 alone, where
+// 4 M - 2 dt C - dt^2 K is singular.
+StabilityLimit symplectic_limit(const Linearization& system) {
+  if (!system.damped()) return undamped_limit(system);
+  const std::optional<Eigenpair> most_damped = system.top({0.0, 0.0, 1.0});
+  if (!most_damped) return {kNaN, kNoConvergence};
+  const double mu = symplectic_euler_rate(
+      [&](double at) -> std::optional<VectorXd> {
+        auto top = system.top({1.0, 1.0, 2.0 * at});
+        if (!top) return std::nullopt;
+        return std::move(top->vector);
+      },
+      [&](const VectorXd& x) {
+        return RayleighForms{x.dot(system.apply(kStiffness, x)), x.dot(system.apply({0.0, 0.0, 1.0}, x))};
+      },
+      most_damped->vector, 1e-10);
+  if (std::isnan(mu)) return {kNaN, kNoConvergence};
+  if (mu == 0.0) return {kInfinity, "no stiffness and no damping"};
+  return {1.0 / mu, "4 M - 2 dt C - dt^2 K is singular"};
+}
+
 // By the name of the integrator.
 StabilityLimit limit_of(const std::string& integrator, const Linearization& system) {
   if (integrator == "implicit_euler_geometric" || integrator == "implicit_euler_newton")
@@ -302,7 +324,9 @@ StabilityLimit limit_of(const std::string& integrator, const Linearization& syst
   if (!system.status().ok()) return {kNaN, system.status().reason};
   if (system.size() == 0) return {kInfinity, "nothing moves"};
   StabilityLimit limit{kNaN, "no prediction for this integrator"};
+  if (integrator == "xpbd") limit.why = "none: how stiff rows are depends on the sweeps";
   if (integrator == "explicit_euler") limit = damped_limit(system, kExplicitEuler);
+  if (integrator == "symplectic_euler") limit = symplectic_limit(system);
   if (integrator == "leapfrog") limit = undamped_limit(system);
   if (integrator == "rk4") limit = damped_limit(system, kRk4);
   if (integrator == "implicit_euler_notes") limit = notes_step_limit_of(system);
@@ -346,7 +370,8 @@ double largest_frequency(const System& s, const State& state) {
   if (!system.status().ok()) return kNaN;
   if (system.size() == 0) return 0.0;
   const std::optional<Eigenpair>& top = system.stiffest();
-  return top ? std::sqrt(std::max(0.0, top->value)) : kNaN;
+  const double fluid = largest_fluid_rates(s, state).frequency;
+  return top ? std::sqrt(std::max(0.0, top->value) + fluid * fluid) : kNaN;
 }
 
 double largest_rate(const System& s, const State& state) {
@@ -361,11 +386,14 @@ double largest_rate(const System& s, const State& state) {
     if (!most_damped) return kNaN;
     c = std::max(0.0, most_damped->value);
   }
-  return 0.5 * (c + std::sqrt(c * c + 4.0 * std::max(0.0, stiffest->value)));
+  const FluidRates fluid = largest_fluid_rates(s, state);
+  c += fluid.damping;
+  const double squared = std::max(0.0, stiffest->value) + fluid.frequency * fluid.frequency;
+  return 0.5 * (c + std::sqrt(c * c + 4.0 * squared));
 }
 
 StabilityLimit stability_limit(const std::string& integrator, const System& s, const State& state) {
-  return limit_of(integrator, Linearization(s, state));
+  return with_fluid(integrator, limit_of(integrator, Linearization(s, state)), largest_fluid_rates(s, state));
 }
 
 StabilityLimit stability_limit_explicit_euler(const System& s, const State& state) {
@@ -389,9 +417,16 @@ StabilityForecast forecast_stability(const System& s, const State& state,
                                      const LanczosOptions& lanczos) {
   const Linearization system(s, state, Obstacles::kLeftOut, lanczos);
   StabilityForecast forecast{spectrum_of(system, state), {}};
+  const FluidRates fluid = largest_fluid_rates(s, state);
   for (const std::string& name : integrators)
-    forecast.limits.push_back(system.obstacle().empty() ? limit_of(name, system)
-                                                        : limit_of(name, Linearization(s, state)));
+    forecast.limits.push_back(with_fluid(
+        name, system.obstacle().empty() ? limit_of(name, system) : limit_of(name, Linearization(s, state)),
+        fluid));
+  Spectrum& spectrum = forecast.spectrum;
+  if (!s.fluid) return forecast;
+  spectrum.largest_frequency = std::hypot(spectrum.largest_frequency, fluid.frequency);
+  spectrum.largest_damping_rate += fluid.damping;
+  spectrum.smallest_frequency = kNaN;
   return forecast;
 }
 

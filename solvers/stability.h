@@ -18,6 +18,9 @@ namespace feder {
 double explicit_euler_limit(double omega_squared, double c);
 /// 2 / omega whatever the damping (kick-drift-kick, the damping of the second kick implicit).
 double leapfrog_limit(double omega_squared, double c);
+/// 4 / (c + sqrt(c^2 + 4 omega^2)): 2 / omega undamped, 2 / c without stiffness (damping at the old
+/// velocity).
+double symplectic_euler_limit(double omega_squared, double c);
 /// |R(dt s)| <= 1 for both roots, R the RK4 polynomial: 2.8284 / omega undamped, 2.7853 / |s_max| overdamped.
 double rk4_limit(double omega_squared, double c);
 
@@ -43,7 +46,8 @@ struct StabilityLimit {
 };
 
 /// Largest frequency [rad/s] of M^-1/2 (Km + Kg) M^-1/2 over the free coordinates, Km = J^T D J, Kg with
-/// lambda = -D phi, plus the stiffness of the user force if it gives one. NaN with hard rows (their frequency
+/// lambda = -D phi, plus the stiffness of the user force if it gives one and that of a fluid
+/// (solvers/fluid_stability.h). NaN with hard rows (their frequency
 /// is infinite), at a degenerate or non-finite state, and if Lanczos does not converge. Modes with negative
 /// stiffness grow in the exact solution too and do not count.
 double largest_frequency(const System& system, const State& state);

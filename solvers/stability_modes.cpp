@@ -9,7 +9,9 @@
 //
 // Notes' step (E8): with mu = 1/dt, each x allows mu >= mu_x, the root of 4 mu^2 + 2 mu x.Cx - x.(Kg - Km)x =
 // 0 (x.Mx = 1). The largest mu_x is found by iterating on the top eigenvector of Kg - Km - 2 mu C: mu rises
-// monotonically.
+// monotonically.//
+// Symplectic Euler the same way: each x allows mu >= mu_x, the larger root of 4 mu^2 - 2 mu x.Cx - x.Kx = 0,
+// and mu rises on the top eigenvector of K + 2 mu C.
 #include "solvers/stability_modes.h"
 
 #include <Eigen/Eigenvalues>
@@ -74,6 +76,12 @@ double leapfrog_limit(double omega_squared, double c) {
   return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : kInfinity;
 }
 
+double symplectic_euler_limit(double omega_squared, double c) {
+  if (!(omega_squared >= 0.0) || !(c >= 0.0)) return kNaN;
+  const double rate = c + std::sqrt(c * c + 4.0 * omega_squared);
+  return rate > 0.0 ? 4.0 / rate : kInfinity;
+}
+
 double notes_step_rate(const std::function<std::optional<VectorXd>(double)>& top_vector,
                        const std::function<RayleighForms(const VectorXd&)>& forms, double zero,
                        double tolerance) {
@@ -87,6 +95,25 @@ double notes_step_rate(const std::function<std::optional<VectorXd>(double)>& top
     const double next = excess / (damping + std::sqrt(damping * damping + 4.0 * excess));
     if (std::abs(next - mu) <= tolerance * next) return next;
     mu = std::max(mu, next);
+  }
+  return kNaN;
+}
+
+double symplectic_euler_rate(const std::function<std::optional<VectorXd>(double)>& top_vector,
+                             const std::function<RayleighForms(const VectorXd&)>& forms,
+                             const VectorXd& first, double tolerance) {
+  double mu = 0.0;
+  std::optional<VectorXd> x = first;
+  for (int i = 0; i < 100; ++i) {
+    const auto [stiffness, damping] = forms(*x);
+    const double discriminant = damping * damping + 4.0 * stiffness;
+    if (std::isnan(discriminant)) return kNaN;
+    // larger root of 4 mu^2 - 2 mu damping - stiffness, if there is one
+    const double next = discriminant > 0.0 ? 0.25 * (damping + std::sqrt(discriminant)) : 0.0;
+    if (i > 0 && next - mu <= tolerance * next) return std::max(mu, next);
+    mu = std::max(mu, next);
+    x = top_vector(mu);
+    if (!x) return kNaN;
   }
   return kNaN;
 }

@@ -7,7 +7,7 @@
 
 namespace feder {
 
-/// x.(Kg - Km)x [1/s^2] and x.Cx [1/s] of a mass-normalised vector.
+/// x.(Kg - Km)x, or x.Kx, [1/s^2] and x.Cx [1/s] of a mass-normalised vector.
 struct RayleighForms {
   double excess, damping;
 };
@@ -18,5 +18,11 @@ struct RayleighForms {
 double notes_step_rate(const std::function<std::optional<VectorXd>(double mu)>& top_vector,
                        const std::function<RayleighForms(const VectorXd&)>& forms, double zero,
                        double tolerance);
+
+/// The same of symplectic Euler: `top_vector(mu)` is the top eigenvector of K + 2 mu C, `forms` gives x.Kx
+/// and x.Cx, `first` is the most damped mode (with mu = 0 nothing would find it where there is no stiffness).
+double symplectic_euler_rate(const std::function<std::optional<VectorXd>(double mu)>& top_vector,
+                             const std::function<RayleighForms(const VectorXd&)>& forms,
+                             const VectorXd& first, double tolerance);
 
 }  // namespace feder

@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "engine/check.h"
+#include "engine/fluid/fluid.h"
 #include "experiments/support/recommend.h"
 #include "solvers/integrators.h"
 #include "solvers/linear/pattern.h"
@@ -264,7 +265,8 @@ std::string judge_of(const System& s, const State& start, const Explanation& e) 
                                                : "compliance (index 1)",
                        size);
   }
-  const bool symplectic = !s.has_damping && !s.forces.has_drag && !s.forces.user && s.law_springs.empty();
+  const bool symplectic = !s.has_damping && !s.forces.has_drag && !s.forces.user && s.law_springs.empty() &&
+                          !(s.fluid && s.fluid->dissipates());
   return fmt::format("{} at dt and dt/2: {}", symplectic ? "leapfrog" : "rk4", size);
 }
 

@@ -64,6 +64,11 @@ inline Line fit_power(std::vector<double> x, std::vector<double> y) {
   return fit_line(x, y);
 }
 
+/// Whether a linear route makes a difference to it: implicit, and solved for instead of swept over.
+inline bool takes_routes(const IntegratorInfo& method) {
+  return method.implicit && !method.iterative;
+}
+
 /// Gives the series whose labels are integrators the look of their place in the list.
 inline std::vector<Series> with_integrator_looks(std::vector<Series> all) {
   const std::vector<IntegratorInfo> list = integrator_list();

@@ -15,6 +15,7 @@ struct MethodEntry : Entry {
   double dt = 0.0, tolerance = 0.0, newton_tolerance = IntegratorOptions{}.newton_tolerance;
   double max_seconds = 0.0, divergence = 1e6;
   int most_newton_iterations = IntegratorOptions{}.most_newton_iterations;
+  int sweeps = IntegratorOptions{}.sweeps, substeps = IntegratorOptions{}.substeps;
 };
 constexpr double kMostSteps = 9007199254740992.0;
 struct OutputEntry : Entry {
@@ -55,6 +56,10 @@ const Keys<MethodEntry>& method_keys() {
              "relative residual at which implicit_euler_newton is done with a step", Range{0.0, 1.0, true}),
       key<E>("most_newton_iterations", &E::most_newton_iterations, "200", "",
              "in one step of implicit_euler_newton", Range{1.0, 1e6, false, false, true}),
+      key<E>("sweeps", &E::sweeps, "20", "", "over the rows in one substep of xpbd",
+             Range{1.0, 1e6, false, false, true}),
+      key<E>("substeps", &E::substeps, "1", "", "equal parts of one step of xpbd",
+             Range{1.0, 1e6, false, false, true}),
       key<E>("max_seconds", &E::max_seconds, "none", "s",
              "wall time after which a run is given up as limit_reached", kPositive),
       key<E>("divergence", &E::divergence, "1e6", "",
@@ -104,6 +109,7 @@ std::vector<OtherTable> method_readers(Method& method, Output& output) {
         entry.rotation_update == 0 ? RotationUpdate::kExponential : RotationUpdate::kNormalisedEuler;
     method.options.newton_tolerance = entry.newton_tolerance;
     method.options.most_newton_iterations = entry.most_newton_iterations;
+    method.options.sweeps = entry.sweeps, method.options.substeps = entry.substeps;
   };
   const auto place = std::make_shared<TextPlace>();
   auto read_output = [&output, place](const Value& table, Diagnostics& problems) {

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/fluid/fluid.h"
 #include "solvers/stability.h"
 
 namespace feder::experiments {
@@ -79,7 +80,7 @@ Recommendation implicit(const Explanation& e, const System& system, const std::s
 }
 
 bool forces_beyond_rows(const System& system) {
-  return system.forces.user || !system.law_springs.empty();
+  return system.forces.user || !system.law_springs.empty() || (system.fluid && system.fluid->dissipates());
 }
 
 std::string reason_for_rk4(const Explanation& e, const System& system) {
@@ -121,8 +122,22 @@ std::string not_known(const Explanation& e, const System& system) {
   if (system.driven()) text += ", how fast driven parts will move";
   if (system.forces.user && !system.forces.user.stiffness) text += ", the stiffness of the user force";
   if (!system.law_springs.empty()) text += ", the damping of springs with a law";
+  if (system.fluid && !system.fluid->incompressible()) text += ", how far the fluid will be compressed";
   if (e.all_rows.hard > 0) text += ", poses where hard rows lose rank";
   return text + ", the error you accept; halve dt to see it.";
+}
+
+// A quarter of a fall through the support of the kernel.
+Recommendation incompressible(const Explanation& e, const System& system) {
+  Recommendation r{
+      .integrator = "symplectic_euler",
+      .why =
+          "An incompressible fluid, for whose density it alone has rows; a quarter of the time of "
+          "a fall through the support of the kernel.",
+      .not_known = {}};
+  const double fall = std::sqrt(system.fluid->material().support / system.forces.gravity.norm());
+  set_step(r, std::min(0.25 * fall, e.end_time), e.end_time);
+  return r;
 }
 
 }  // namespace
@@ -133,7 +148,9 @@ Recommendation recommend(const Explanation& e, const System& system) {
     r.why = "Nothing can move.";
     return r;
   }
-  if (e.all_rows.hard > 0 && e.rank < 0)
+  if (system.fluid && system.fluid->incompressible())
+    r = incompressible(e, system);
+  else if (e.all_rows.hard > 0 && e.rank < 0)
     r = implicit(e, system, "The rank of the hard rows is not known: only Newton takes any");
   else if (e.dependent >= kManyDependent)
     r = implicit(e, system, fmt::format("{} dependent hard rows, where the other methods stop", e.dependent));

@@ -33,6 +33,8 @@ Json method_json(const Method& m) {
           {"tolerance", m.tolerance},
           {"newton_tolerance", m.options.newton_tolerance},
           {"most_newton_iterations", m.options.most_newton_iterations},
+          {"sweeps", m.options.sweeps},
+          {"substeps", m.options.substeps},
           {"rotation_update",
            m.options.rotation_update == RotationUpdate::kExponential ? "exponential" : "normalised_euler"},
           {"max_seconds", m.max_seconds},

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/fluid/fluid.h"
 #include "models/catalog.h"
 #include "models/scene_file/assembly.h"
 #include "models/scene_file/scene_of.h"
@@ -56,7 +57,7 @@ double diagonal(const System& s, const VectorXd& q) {
 // Energy is kept where nothing takes or gives any.
 bool conservative(const System& s) {
   return !s.has_damping && !s.forces.has_drag && !s.forces.user && !s.forces.has_torques &&
-         s.drives.empty() && s.law_springs.empty();
+         s.drives.empty() && s.law_springs.empty() && !(s.fluid && s.fluid->dissipates());
 }
 
 void set_times(const Value& root, const Document& document, const SceneOptions& options, Model& model,

@@ -107,7 +107,8 @@ TEST(MethodTable, ReachesTheIntegratorsOptions) {
       "end_time = 1\nscene_length = 1\n[[particle]]\nname = \"p\"\nmass = 1\nposition = [0, 0, 0]\n[method]\n"
       "integrator = \"rk4\"\nroute = \"dense\"\ndt = 0.25\ntolerance = 1e-5\nmax_seconds = 3\ndivergence = "
       "7\n"
-      "rotation_update = \"normalised_euler\"\nnewton_tolerance = 1e-9\nmost_newton_iterations = 4\n"
+      "rotation_update = \"normalised_euler\"\nnewton_tolerance = 1e-9\nmost_newton_iterations = 4\nsweeps = "
+      "7\nsubsteps = 3\n"
       "[output]\ntimes = [0.5]\nfiles = [\"npy\"]\ncheckpoint_frames = 9\n");
   const Method& m = read.method;
   EXPECT_EQ(m.integrator, "rk4");
@@ -119,6 +120,8 @@ TEST(MethodTable, ReachesTheIntegratorsOptions) {
   EXPECT_EQ(m.options.rotation_update, RotationUpdate::kNormalisedEuler);
   EXPECT_EQ(m.options.newton_tolerance, 1e-9);
   EXPECT_EQ(m.options.most_newton_iterations, 4);
+  EXPECT_EQ(m.options.sweeps, 7);
+  EXPECT_EQ(m.options.substeps, 3);
   EXPECT_EQ(read.output.times, std::vector<double>{0.5});
   EXPECT_EQ(read.output.files, std::vector<std::string>{"npy"});
   EXPECT_EQ(read.output.checkpoint_frames, 9);
@@ -129,8 +132,8 @@ TEST(MethodTable, RefusesWhatNoRunCouldUse) {
        {"[method]\ndt = 0", "[method]\ndt = -1", "[method]\ndt = nan", "[method]\ndt = inf",
         "[method]\ntolerance = 0", "[method]\nintegrator = \"leapfrg\"", "[method]\nroute = \"lu\"",
         "[method]\nmax_seconds = 0", "[method]\ndivergence = 0.5", "[method]\nmost_newton_iterations = 1.5",
-        "[method]\nstep = 1", "[output]\ninterval = 0", "[output]\ntimes = [0]",
-        "[output]\ntimes = [0.5]\ninterval = 0.1", "[output]\nfiles = [\"state\"]",
+        "[method]\nsweeps = 0", "[method]\nsubsteps = 0", "[method]\nstep = 1", "[output]\ninterval = 0",
+        "[output]\ntimes = [0]", "[output]\ntimes = [0.5]\ninterval = 0.1", "[output]\nfiles = [\"state\"]",
         "[output]\ncheckpoint_frames = 0"})
     EXPECT_TRUE(problem(bad).starts_with("test.toml:")) << bad << ": " << problem(bad);
 }

@@ -29,7 +29,7 @@ class Catalog : public testing::TestWithParam<std::string> {
 TEST_P(Catalog, BuildsAFiniteMovingScene) {
   EXPECT_EQ(model.name, GetParam());
   EXPECT_GT(model.system.free_count, 0);
-  EXPECT_GT(model.system.active_rows + std::ssize(model.system.bodies), 0);
+  EXPECT_TRUE(model.system.active_rows > 0 || !model.system.bodies.empty() || model.system.fluid);
   EXPECT_EQ(model.state.q.size(), model.system.position_size());
   EXPECT_TRUE(model.state.q.allFinite() && model.state.v.allFinite());
   EXPECT_TRUE(std::isfinite(model.end_time) && model.end_time > 0.0);

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "engine/kkt.h"
+#include "solvers/symplectic_euler.h"
 #include "tests/support/finite_difference.h"
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -43,6 +44,16 @@ MatrixXd explicit_euler_step(const MatrixXd& K, const MatrixXd& C, double dt) {
 MatrixXd rk4_step(const MatrixXd& K, const MatrixXd& C, double dt) {
   const MatrixXd z = dt * first_order(K, C), E = MatrixXd::Identity(z.rows(), z.cols());
   return E + z * (E + z / 2.0 * (E + z / 3.0 * (E + z / 4.0)));
+}
+
+// v' = v - dt (K x + C v);  x' = x + dt v'
+MatrixXd symplectic_euler_step(const MatrixXd& K, const MatrixXd& C, double dt) {
+  const auto n = K.rows();
+  MatrixXd kick = MatrixXd::Identity(2 * n, 2 * n), drift = kick;
+  kick.bottomLeftCorner(n, n) = -dt * K;
+  kick.bottomRightCorner(n, n) -= dt * C;
+  drift.topRightCorner(n, n) = dt * MatrixXd::Identity(n, n);
+  return drift * kick;
 }
 
 // v+ = v + dt/2 (a(x) - C v);  x' = x + dt v+;  (1 + dt/2 C) v' = v+ + dt/2 a(x')
@@ -108,6 +119,16 @@ TEST(ModeLimits, LeapfrogIsSharpOnBothSidesWhateverTheDamping) {
   }
 }
 
+TEST(ModeLimits, SymplecticEulerIsSharpOnBothSides) {
+  Random random(7);
+  for (int i = 0; i < 200; ++i) {
+    const Mode mode = random_mode(random);
+    expect_sharp(symplectic_euler_limit, symplectic_euler_step, mode);
+    expect_sharp(symplectic_euler_limit, symplectic_euler_step, {mode.omega_squared, 0.0});
+    expect_sharp(symplectic_euler_limit, symplectic_euler_step, {0.0, mode.c});
+  }
+}
+
 TEST(ModeLimits, Rk4IsSharpOnBothSides) {
   Random random(3);
   for (int i = 0; i < 200; ++i) expect_sharp(rk4_limit, rk4_step, random_mode(random));
@@ -120,11 +141,14 @@ TEST(ModeLimits, TakeTheKnownValues) {
   EXPECT_DOUBLE_EQ(explicit_euler_limit(4.0, 5.0), 0.5);          // roots -1 and -4
   EXPECT_EQ(explicit_euler_limit(4.0, 0.0), 0.0);
   EXPECT_DOUBLE_EQ(leapfrog_limit(4.0, 7.0), 1.0);
+  EXPECT_DOUBLE_EQ(symplectic_euler_limit(4.0, 0.0), 1.0);
+  EXPECT_DOUBLE_EQ(symplectic_euler_limit(4.0, 3.0), 0.5);  // 4 / (3 + 5)
+  EXPECT_DOUBLE_EQ(symplectic_euler_limit(0.0, 4.0), 0.5);
 }
 
 TEST(ModeLimits, FreeMotionHasNoneAndGrowingMotionIsNotPredicted) {
-  for (Limit limit :
-       {static_cast<Limit>(explicit_euler_limit), leapfrog_limit, static_cast<Limit>(rk4_limit)}) {
+  for (Limit limit : {static_cast<Limit>(explicit_euler_limit), symplectic_euler_limit, leapfrog_limit,
+                      static_cast<Limit>(rk4_limit)}) {
     EXPECT_EQ(limit(0.0, 0.0), kInfinity);
     EXPECT_TRUE(std::isnan(limit(-1.0, 0.0)));
     EXPECT_TRUE(std::isnan(limit(1.0, -1.0)));
@@ -386,6 +410,68 @@ TEST(StabilityLimit, NotesStepCountsDragAndDampedRows) {
   const double dt = stability_limit_notes_step(scene.system, scene.state).dt;
   EXPECT_LE(spectral_radius(notes_step(E, Km, linear.K - Km, linear.C, 0.999 * dt)), 1.0 + 1e-7);
   EXPECT_GT(spectral_radius(notes_step(E, Km, linear.K - Km, linear.C, 1.001 * dt)), 1.0 + 1e-7);
+}
+
+StabilityLimit symplectic_limit(const System& system, const State& state) {
+  return stability_limit("symplectic_euler", system, state);
+}
+
+TEST(StabilityLimit, SymplecticEulerIsSharpWithAnyDamping) {
+  expect_sharp(symplectic_limit, symplectic_euler_step, chain(5, 100.0, 0.3, 1.0, FreeMask{1}));
+  expect_sharp(symplectic_limit, symplectic_euler_step, chain(5, 100.0, 0.3, 0.8, kFree, 0.0, 0.2));
+  expect_sharp(symplectic_limit, symplectic_euler_step, chain(5, 100.0, 0.3, 1.0, FreeMask{1}, 0.3, 0.2));
+  expect_sharp(symplectic_limit, symplectic_euler_step, chain(5, 100.0, 0.3, 0.8, kFree, 0.03, 0.2));
+  expect_sharp(symplectic_limit, symplectic_euler_step, chain(5, 100.0, 0.3, 1.0, FreeMask{1}, 0.0, 30.0));
+  expect_sharp(symplectic_limit, symplectic_euler_step, chain(120, 100.0, 0.3, 0.8, kFree, 0.03));
+}
+
+// A pair on a spring, and a light particle that nothing but its drag (or damper) holds: no mode of K.
+TestScene pair_and_loner(double stiffness, double drag, double damper) {
+  SystemBuilder builder;
+  const Anchor a = builder.add_particle(1.0, {0, 0, 0}), b = builder.add_particle(1.0, {1, 0, 0}),
+               loner = builder.add_particle(0.01, {3, 0, 0});
+  builder.add_distance(a, b, {stiffness, 0.0});
+  if (damper > 0.0) builder.add_distance(b, loner, {0.0, 0.0, damper});
+  builder.set_drag(drag);
+  auto [system, state] = builder.build();
+  return {std::move(system), std::move(state)};
+}
+
+TEST(StabilityLimit, SymplecticEulerSeesDampingWhereThereIsNoStiffness) {
+  expect_sharp(symplectic_limit, symplectic_euler_step, pair_and_loner(10.0, 2.0, 0.0));
+  expect_sharp(symplectic_limit, symplectic_euler_step, pair_and_loner(10.0, 0.0, 2.0));
+  expect_sharp(symplectic_limit, symplectic_euler_step, pair_and_loner(0.0, 0.0, 2.0));
+  expect_sharp(symplectic_limit, symplectic_euler_step, pair_and_loner(0.0, 2.0, 0.0));
+  // damping so strong that x.Kx is rounding of (x.Cx)^2
+  expect_sharp(symplectic_limit, symplectic_euler_step, pair_and_loner(1e-9, 2e3, 0.0));
+  EXPECT_NEAR(
+      symplectic_limit(pair_and_loner(10.0, 2.0, 0.0).system, pair_and_loner(10.0, 2.0, 0.0).state).dt, 0.01,
+      1e-12);  // 2 m / drag
+}
+
+// The integrator itself, pushed out of rest: |v| over many steps.
+TEST(StabilityLimit, SymplecticEulerDecaysBelowAndGrowsBeyondIt) {
+  for (const TestScene& scene :
+       {chain(5, 100.0, 0.3, 1.0, FreeMask{1}, 0.03), chain(5, 100.0, 0.3, 1.0, FreeMask{1}, 0.0, 0.5),
+        chain(5, 100.0, 0.3, 0.8, kFree, 0.02, 0.2), pair_and_loner(10.0, 2.0, 0.0)}) {
+    const double limit = symplectic_limit(scene.system, scene.state).dt;
+    auto grown = [&](double dt) {
+      State state = scene.state;
+      Random random(8);
+      for (int i = 0; i < state.v.size(); ++i)
+        if (scene.system.inverse_mass[i] > 0.0) state.v[i] = 1e-9 * random.uniform(-1.0, 1.0);
+      SymplecticEuler method(scene.system, {});
+      History history;
+      EXPECT_TRUE(method.prepare().ok());
+      const double start = state.v.norm();
+      bool ok = true;
+      for (int n = 0; n < 1500 && ok; ++n) ok = method.step(dt, state, history, nullptr).ok();
+      EXPECT_TRUE(ok);
+      return state.v.norm() / start;
+    };
+    EXPECT_LT(grown(0.99 * limit), 1e-2);  // 1.0e-4 at most
+    EXPECT_GT(grown(1.01 * limit), 1e6);   // 1.2e9 at least
+  }
 }
 
 TEST(LargestRate, BoundsEveryRootOfADampedScene) {
