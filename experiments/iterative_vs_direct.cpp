@@ -211,8 +211,9 @@ Chart error_chart(const Context& context, const std::vector<Scene>& scenes, cons
   const bool error = std::string(column) == "error";
   Chart chart{
       .name = error ? "iterative_vs_direct" : "iterative_vs_direct_rows",
-      .title = error ? "Error against time, steps of a frame cut into substeps"
-                     : "What is left of the rows against time",
+      .title = fmt::format("{} against time, {} sweeps or substeps in a frame of 1/60 s",
+                           error ? "Error" : "What is left of the rows",
+                           context.settings.values().find("counts")->second),
       .caption =
           error ? "Position error at the end (0.25 s) against the time of the run; along a curve the sweeps "
                   "or substeps per frame grow."

@@ -1,7 +1,9 @@
 // v = v_start + W J^T y turns J v + gamma y + r = 0 into S y = -(r + J v_start), S = J W J^T + gamma.
 // Unilateral rows: w = S y + r + J v_start >= 0, y >= 0, w y = 0. Guess which rows push, solve for their y
-// with the others 0, swap every row of the wrong sign; where their number does not fall, only the last of
-// them (Murty's rule, which cannot cycle).
+// with the others 0, swap every row of the wrong sign: a Newton step of the convex
+//   F(v) = |v - v_start|^2_(1/W) / 2 + sum max(0, -(J v + r))^2 / (2 gamma)   where gamma > 0,
+// cut to the least F on its way where the number of wrong rows does not fall. Without gamma only the last of
+// them is swapped there (Murty's rule, which cannot cycle).
 #include "solvers/step_row_solver.h"
 
 #include <algorithm>
@@ -175,8 +177,12 @@ Status StepRowSolver::solve_active(const StepRows& rows, const VectorXd& inverse
                                    VectorXd& v, VectorXd& y) {
   constexpr int kRefinements = 3;
   constexpr double kGoal = 1e-14, kBound = 1e-9;
-  ++factorizations_;
-  if (Status status = dense_ ? factor_dense() : factor_sparse(); !status.ok()) return status;
+  if (factored_ != active_) {
+    ++factorizations_;
+    factored_.clear();
+    if (Status status = dense_ ? factor_dense() : factor_sparse(); !status.ok()) return status;
+    factored_ = active_;
+  }
   const int m = rows.count();
   solve_factored(right_, y);
   push(rows, inverse_mass, start, y, v);
@@ -188,9 +194,9 @@ Status StepRowSolver::solve_active(const StepRows& rows, const VectorXd& inverse
     double largest = 0.0, scale = 0.0, reach = 0.0;
     const VectorXd sizes = v.cwiseAbs() + start.cwiseAbs();
     for (int k = 0; k < m; ++k) {
-      residual_[k] = active_[k] ? -(rows.multiply_row(k, v.data()) + rows.gamma[k] * y[k] + rows.r[k]) : 0.0;
+      residual_[k] = active_[k] ? -(rows.multiply_row(k, v.data()) + rows.gamma[k] * y[k] + r_[k]) : 0.0;
       if (!active_[k]) continue;
-      const double terms = std::abs(rows.r[k]) + rows.gamma[k] * std::abs(y[k]);
+      const double terms = std::abs(r_[k]) + rows.gamma[k] * std::abs(y[k]);
       largest = std::max(largest, std::abs(residual_[k]));
       scale = std::max(scale, terms + multiply_sizes(rows, k, sizes));
       reach = std::max(reach, terms + multiply_sizes(rows, k, reach_));
@@ -243,45 +249,95 @@ void StepRowSolver::find_wrong(const StepRows& rows, const VectorXd& v, const Ve
       continue;
     }
     if (!(diagonal_[k] > 0.0)) continue;
-    const double w = rows.multiply_row(k, v.data()) + rows.r[k];
-    if (w < -least && w < -16.0 * kEpsilon * (std::abs(rows.r[k]) + multiply_sizes(rows, k, reach_)))
+    const double w = rows.multiply_row(k, v.data()) + r_[k];
+    if (w < -least && w < -16.0 * kEpsilon * (std::abs(r_[k]) + multiply_sizes(rows, k, reach_)))
       wrong_.push_back(k);
   }
 }
 
-Status StepRowSolver::solve(const StepRows& rows, const VectorXd& inverse_mass, VectorXd& v, VectorXd& y) {
+// S, what is to be held, and a first guess which rows push.
+Status StepRowSolver::begin(const StepRows& rows, const VectorXd& inverse_mass, const VectorXd& v,
+                            VectorXd& y) {
   const int m = rows.count();
   FEDER_CHECK(rows.gamma.size() == m && rows.r.size() == m, "every row has its gamma and r");
   FEDER_CHECK(v.size() == inverse_mass.size(), "every coordinate has its inverse mass");
   factorizations_ = 0;
+  factored_.clear();
   if (y.size() != m) y.setZero(m);
-  if (m == 0) return {};
   dense_ = m <= kDense;
   if (!dense_)
     if (Status status = analyze(rows); !status.ok()) return status;
   assemble(rows, inverse_mass);
-  right_.resize(m);
-  for (int k = 0; k < m; ++k) right_[k] = -(rows.r[k] + rows.multiply_row(k, v.data()));
+  set_right(rows, v, rows.r);
   // a NaN anywhere in J, W, gamma, r or v_start shows in one of both
   if (!right_.allFinite() || !diagonal_.allFinite())
     return Status::failure(StatusCode::kNonFinite, "a row of the step is not finite");
   guess_active(rows, y);
+  return {};
+}
 
-  const VectorXd start = v;
-  const auto fail = [&](Status status) {
-    v = start;
-    y.setZero();
-    return status;
+// right = -(r + J v_start)
+void StepRowSolver::set_right(const StepRows& rows, const VectorXd& start, const VectorXd& r) {
+  r_ = r;
+  right_.resize(rows.count());
+  for (int k = 0; k < rows.count(); ++k) right_[k] = -(r_[k] + rows.multiply_row(k, start.data()));
+}
+
+// Where F is least between u = v_start + W J^T z and v = v_start + W J^T y: with a = J (v - u), c = J u + r,
+//   dF/dt = sum a (z + t (y - z)) - a max(0, -(c + t a)) / gamma,   which grows with t. Moves u, z there.
+void StepRowSolver::search(const StepRows& rows, const VectorXd& v, const VectorXd& y, VectorXd& u,
+                           VectorXd& z) const {
+  constexpr int kHalvings = 60;
+  const int m = rows.count();
+  VectorXd a(m), c(m);
+  for (int k = 0; k < m; ++k) {
+    c[k] = rows.multiply_row(k, u.data()) + r_[k];
+    a[k] = rows.multiply_row(k, v.data()) + r_[k] - c[k];
+  }
+  const auto slope = [&](double t) {
+    double sum = 0.0;
+    for (int k = 0; k < m; ++k) {
+      sum += a[k] * (z[k] + t * (y[k] - z[k]));
+      if (const double w = c[k] + t * a[k]; w < 0.0 && diagonal_[k] > 0.0) sum += a[k] * w / rows.gamma[k];
+    }
+    return sum;
   };
+  double low = 0.0, high = 1.0;
+  if (slope(high) <= 0.0) low = high;
+  for (int i = 0; i < kHalvings && low < high; ++i) {
+    const double middle = 0.5 * (low + high);
+    (slope(middle) > 0.0 ? high : low) = middle;
+  }
+  u += high * (v - u);
+  z += high * (y - z);
+}
+
+// Which rows push, from the guess in active_.
+Status StepRowSolver::pivot(const StepRows& rows, const VectorXd& inverse_mass, const VectorXd& start,
+                            VectorXd& v, VectorXd& y) {
   constexpr int kPatience = 3;
+  const int m = rows.count();
+  bool soft = true;
+  for (int k = 0; k < m; ++k) soft = soft && (rows.gamma[k] > 0.0 || !(diagonal_[k] > 0.0));
+  VectorXd u, z;  // the least F so far, once needed
   int fewest = m + 1, patience = kPatience;
   const int most = 100 + 10 * m;
   for (int iteration = 0; iteration < most; ++iteration) {
-    if (Status status = solve_active(rows, inverse_mass, start, v, y); !status.ok()) return fail(status);
+    if (Status status = solve_active(rows, inverse_mass, start, v, y); !status.ok()) return status;
     if (!rows.unilateral) return {};
     find_wrong(rows, v, y);
     const int wrong = static_cast<int>(wrong_.size());
     if (wrong == 0) return {};
+    if (soft) {
+      if (u.size() == 0) {
+        u = v, z = y;
+      } else {
+        search(rows, v, y, u, z);
+      }
+      for (int k = 0; k < m; ++k)
+        active_[k] = diagonal_[k] > 0.0 && rows.multiply_row(k, u.data()) + r_[k] < 0.0;
+      continue;
+    }
     if (wrong < fewest) {
       fewest = wrong;
       patience = kPatience;
@@ -292,7 +348,34 @@ Status StepRowSolver::solve(const StepRows& rows, const VectorXd& inverse_mass, 
     }
     for (int k : wrong_) active_[k] = !active_[k];
   }
-  return fail(Status::failure(StatusCode::kNotConverged, "block pivoting of unilateral rows does not end"));
+  return Status::failure(StatusCode::kNotConverged, "block pivoting of unilateral rows does not end");
+}
+
+Status StepRowSolver::solve(const StepRows& rows, const VectorXd& inverse_mass, VectorXd& v, VectorXd& y) {
+  const VectorXd start = v;
+  Status status = begin(rows, inverse_mass, v, y);
+  if (status.ok() && rows.count() > 0) status = pivot(rows, inverse_mass, start, v, y);
+  if (!status.ok()) v = start, y.setZero();
+  return status;
+}
+
+Status StepRowSolver::close(const StepRows& rows, const VectorXd& inverse_mass, double tolerance, VectorXd& v,
+                            VectorXd& y) {
+  constexpr int kMost = 200;
+  const VectorXd start = v;
+  Status status = begin(rows, inverse_mass, v, y);
+  VectorXd held = VectorXd::Zero(rows.count());
+  left_ = 0.0;
+  for (rounds_ = 1; status.ok() && rows.count() > 0; ++rounds_) {
+    status = pivot(rows, inverse_mass, start, v, y);
+    left_ = rows.gamma.cwiseProduct(y - held).lpNorm<Eigen::Infinity>();
+    if(getenv("ROUND")) fprintf(stderr,"  round %d left %.3e fact %d\n",rounds_,left_,factorizations_);
+    if (left_ <= tolerance || rounds_ == kMost) break;
+    held = y;
+    set_right(rows, start, rows.r - rows.gamma.cwiseProduct(held));
+  }
+  if (!status.ok()) v = start, y.setZero();
+  return status;
 }
 
 }  // namespace feder

@@ -27,9 +27,17 @@ class StepRowSolver {
   /// out. Rows with gamma 0 that move nothing are left alone, y = 0. On failure v is v_start and y 0:
   /// kSingular where rows that hold depend on each other to rounding, kNonFinite, kNotConverged.
   Status solve(const StepRows& rows, const VectorXd& inverse_mass, VectorXd& v, VectorXd& y);
+  Status close(const StepRows& rows, const VectorXd& inverse_mass, double tolerance, VectorXd& v, VectorXd& y);
+  int rounds() const { return rounds_; }
+  double left() const { return left_; }
   int factorizations() const { return factorizations_; }  ///< of the last solve
 
  private:
+  Status begin(const StepRows& rows, const VectorXd& inverse_mass, const VectorXd& v, VectorXd& y);
+  void set_right(const StepRows& rows, const VectorXd& start, const VectorXd& r);
+  Status pivot(const StepRows& rows, const VectorXd& inverse_mass, const VectorXd& start, VectorXd& v,
+               VectorXd& y);
+  void search(const StepRows& rows, const VectorXd& v, const VectorXd& y, VectorXd& u, VectorXd& z) const;
   void assemble(const StepRows& rows, const VectorXd& inverse_mass);
   Status analyze(const StepRows& rows);
   void guess_active(const StepRows& rows, const VectorXd& y);
@@ -47,10 +55,11 @@ class StepRowSolver {
   static constexpr int kDense = 48;
 
   bool dense_ = true;
-  int factorizations_ = 0;
-  std::vector<char> active_;
+  int factorizations_ = 0, rounds_ = 0;
+  double left_ = 0.0;
+  std::vector<char> active_, factored_;  // factored: the active rows of the factor
   std::vector<int> wrong_;
-  VectorXd diagonal_, right_, residual_, correction_, reach_;
+  VectorXd diagonal_, r_, right_, residual_, correction_, reach_;
   Eigen::MatrixXd S_, cut_;
   Eigen::LLT<Eigen::MatrixXd> llt_;
   // sparse: S in the factor's own order

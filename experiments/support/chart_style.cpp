@@ -8,8 +8,9 @@
 namespace feder::experiments {
 namespace {
 
-// Okabe-Ito without its yellow, which is too faint on white.
-constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"};
+// Okabe-Ito, with the wine of Tol's muted set for its yellow, which is too faint on white.
+constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                 "#E69F00", "#56B4E9", "#000000", "#882255"};
 // gnuplot marker numbers, filled and open: circle, square, triangle, diamond, inverted triangle, pentagon.
 constexpr std::array kSolidMarkers = {7, 5, 9, 13, 11, 15};
 constexpr std::array kOpenMarkers = {6, 4, 8, 12, 10, 14};
