@@ -97,12 +97,14 @@ GaussianOverlap overlap(const Eigen::Ref<const VectorXd>& centre_a, double log_w
 ScaledValue overlap(const GaussianSum& a, const GaussianSum& b, VectorXd* gradient_a) {
   FEDER_CHECK(a.dimension == b.dimension, "both sums have one dimension");
   const int d = a.dimension;
+  // pairs that the sum does not see must not set its scale; a weight 0 of a has a derivative nevertheless
+  const auto counts = [&](int i, int j) { return b.weight(j) != 0.0 && (gradient_a || a.weight(i) != 0.0); };
   std::vector<GaussianOverlap> pairs;
   double largest = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < a.count(); ++i)
     for (int j = 0; j < b.count(); ++j) {
       pairs.push_back(overlap(a.centre(i), a.log_width(i), b.centre(j), b.log_width(j)));
-      largest = std::max(largest, pairs.back().log_value);
+      if (counts(i, j)) largest = std::max(largest, pairs.back().log_value);
     }
   if (gradient_a) gradient_a->setZero(a.parameters.size());
   if (!std::isfinite(largest)) return {};
@@ -110,6 +112,7 @@ ScaledValue overlap(const GaussianSum& a, const GaussianSum& b, VectorXd* gradie
   double sum = 0.0;
   for (int i = 0; i < a.count(); ++i)
     for (int j = 0; j < b.count(); ++j) {
+      if (!counts(i, j)) continue;
       const GaussianOverlap& pair = pairs[i * b.count() + j];
       const double share = b.weight(j) * std::exp(pair.log_value - largest);
       if (share == 0.0) continue;

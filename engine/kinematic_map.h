@@ -26,8 +26,8 @@ struct KinematicMap {
   std::string name;
   VectorXd least, greatest;  ///< limits of the joints q [rad] or [m], finite, least < greatest
   std::vector<char> turns;   ///< not 0: a whole turn further it is the same pose (revolute joints)
-  std::vector<int> task;     ///< rows of J that count: a planar arm commands {0, 1}, others all six
-  Ring reach;                ///< contains every place of the tool, distances over the task's place rows alone
+  std::vector<int> task;  ///< rows of J that count, ascending: a planar arm commands {0, 1}, others all six
+  Ring reach;             ///< contains every place of the tool, distances over the task's place rows alone
   std::function<void(const double* q, Pose& tool, ToolJacobian& jacobian)> evaluate;
 
   int joints() const { return static_cast<int>(least.size()); }

@@ -67,8 +67,8 @@ GaussianFit grow(const Samples& samples, GaussianSum& sum, int most_steps) {
   return *best;
 }
 
-Series drawn(const std::string& label, const Samples& samples, const GaussianSum* sum) {
-  Series series{.label = label, .markers = false, .theory = !sum};
+Series drawn(const std::string& label, const Samples& samples, const GaussianSum* sum, std::size_t look) {
+  Series series{.label = label, .look = look, .markers = false, .theory = !sum};
   for (Eigen::Index i = 0; i < samples.values.size(); ++i)
     series.add(samples.points(0, i), sum ? evaluate(*sum, samples.points.col(i)) : samples.values[i]);
   return series;
@@ -84,15 +84,15 @@ void body(Context& context) {
   require_non_negative("gaussians", "noise", noise, "");
   const double floor = std::max(noise / std::sqrt(3.0), 1e-14);
   Panel errors{.title = "error of the fit",
-               .x = {"number of Gaussians"},
-               .y = {.label = "rms error", .log = true},
-               .marks = {{.at = floor, .label = "noise", .vertical = false}}},
-      curves{.title = "the box and its fits", .x = {"x"}, .y = {"f"}};
+               .x = {"number of Gaussians [1]"},
+               .y = {.label = "rms error [1]", .log = true},
+               .marks = {{.at = floor, .label = "rms of the noise", .vertical = false}}},
+      curves{.title = "the box and its fits", .x = {"x [1]"}, .y = {"f [1]"}};
   context.progress.start(static_cast<long>(std::size(kCurves)) * most);
   for (const Curve& curve : kCurves) {
     const Samples samples = sample(curve, count, noise, context.seed);
     const bool shown = &curve == std::end(kCurves) - 1;
-    if (shown) curves.series.push_back(drawn("box, samples", samples, nullptr));
+    if (shown) curves.series.push_back(drawn("box, samples", samples, nullptr, 0));
     Series series{.label = curve.name};
     GaussianSum sum(1);
     int enough = 0;
@@ -111,8 +111,11 @@ void body(Context& context) {
                          {"gradient", fit.gradient},
                          {"seconds", watch.seconds()}});
       context.progress.advance(fmt::format("{} {}", curve.name, k));
+      // looks that no curve of the other panel has; the last fit as a full line
+      const std::size_t look = k == most ? 5 : k == 1 ? 4 : 7;
       if (shown && (k == 1 || k == 3 || k == most))
-        curves.series.push_back(drawn(fmt::format("{} Gaussian{}", k, k > 1 ? "s" : ""), samples, &sum));
+        curves.series.push_back(
+            drawn(fmt::format("{} Gaussian{}", k, k > 1 ? "s" : ""), samples, &sum, look));
     }
     context.note(enough ? fmt::format("{}: {} Gaussians reach the noise.", curve.name, enough)
                         : fmt::format("{}: {} Gaussians do not reach the noise, they leave {:.1e}.",
@@ -121,7 +124,9 @@ void body(Context& context) {
   }
   context.add_chart({.name = "gaussians",
                      .title = "How few Gaussians describe a curve?",
-                     .caption = "Smooth curves need few, a jump needs ever more.",
+                     .caption =
+                         "Smooth curves need few until only the noise of the samples is left, a kink needs "
+                         "more, a jump ever more: next to it the sum overshoots.",
                      .panels = {std::move(errors), std::move(curves)}});
 }
 

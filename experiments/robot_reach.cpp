@@ -1,8 +1,7 @@
 // Which poses does an arm reach, and what does it take to find joints for them?
-//   targets:    random poses within the limits, solved from the middle of the limits; and the same moved out
-//   of
-//               the reach of the links, where the closest pose is looked for
-//   workspace:  where the tool of two links and of a PUMA gets, and how well it moves there
+// Targets: random poses within the limits, solved from the middle of the limits; and the same moved out of
+// the reach of the links, where the closest pose is looked for. Workspace: where the tool of two links and of
+// a PUMA gets, and how well it moves there.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -144,7 +143,7 @@ void add_workspace(Context& context, const Arm& arm, Panel& panel) {
   for (const Sample& sample : samples) most = std::max(most, sample.manipulability);
   constexpr const char* kThirds[] = {"lowest third of manipulability", "middle third", "highest third"};
   for (int third = 0; third < 3; ++third) {
-    Series series{.label = kThirds[third], .look = third, .line = false};
+    Series series{.label = kThirds[third], .look = third, .line = false, .marker_size = 0.3};
     for (std::size_t i = 0; i < samples.size() && i < kDrawn; ++i)
       if (std::min(2, static_cast<int>(3.0 * samples[i].manipulability / most)) == third)
         series.add(samples[i].x, samples[i].y);
@@ -164,14 +163,17 @@ void add_workspaces(Context& context) {
           "links are stretched or folded. The PUMA's places are turned about its first axis into a "
           "plane."};
   const Arm two = planar_2r();
-  Panel ring{.title = "two links of 1 m and 0.6 m", .x = {"x [m]"}, .y = {"y [m]"}};
+  Panel ring{.title = "two links of 1 m and 0.6 m", .x = {"x [m]"}, .y = {"y [m]"}, .equal = true};
   add_workspace(context, two, ring);
   for (const double r : {reach_of(two).least, reach_of(two).greatest}) {
     Series circle{.label = "singular poses", .theory = true};
     for (int i = 0; i <= 360; ++i) circle.add(r * std::cos(i * kPi / 180.0), r * std::sin(i * kPi / 180.0));
     ring.series.push_back(std::move(circle));
   }
-  Panel slice{.title = "puma560", .x = {"distance from the first axis [m]"}, .y = {"height [m]"}};
+  Panel slice{.title = "puma560",
+              .x = {"distance from the first axis [m]", false, 0.0},
+              .y = {"height [m]"},
+              .equal = true};
   add_workspace(context, puma560(), slice);
   chart.panels = {std::move(ring), std::move(slice)};
   context.add_chart(std::move(chart));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "engine/check.h"
 #include "solvers/null_space.h"
@@ -46,7 +47,7 @@ class Follower {
     to = point(s, q, target);
     to.speed = (q - from.q).norm() / seconds;
     if (o_.method == PathMethod::kDamped) return true;
-    return within(to.error) && (arm_.matrix() - first).norm() < from.smallest;
+    return within(to.error) && (arm_.matrix() - first).norm() <= from.smallest;
   }
 
   bool within(const PoseError& error) const {
@@ -77,15 +78,28 @@ class Follower {
 void check(const std::string& place, const KinematicMap& map, const VectorXd& start, const PathOptions& o) {
   if (o.pieces < 1) fail_input(place, "pieces", o.pieces, "", "at least 1");
   require_positive(place, "duration", o.duration, "s");
-  require_positive(place, "tolerance", o.tolerance, "m and rad");
+  require_tolerance(place, o.tolerance, map);
   require_positive(place, "length", o.length, "m");
   require_positive(place, "most_turn", o.most_turn, "rad");
   require_positive(place, "most_speed", o.most_speed, "rad/s");
   require_positive(place, "least_piece", o.least_piece, "");
+  require_non_negative(place, "damping threshold", o.damping.threshold, "m");
+  require_non_negative(place, "damping at a singular pose", o.damping.most, "m^2");
+  require_non_negative(place, "null_rate", o.null_rate, "1/s");
+  require_non_negative(place, "null_speed", o.null_speed, "rad/s");
   FEDER_CHECK(start.size() == map.joints(), "as many joint values as the arm has joints");
   for (int i = 0; i < start.size(); ++i)
     if (!(start[i] >= map.least[i] && start[i] <= map.greatest[i]))
       fail_input(place, "start of joint " + std::to_string(i + 1), start[i], "rad or m", "within its limits");
+}
+
+// Of what the path gives.
+Status pose_status(const std::string& place, double s, const Pose& pose) {
+  const std::string at = place + " at s = " + std::to_string(s);
+  if (!pose.position.allFinite() || !pose.rotation.allFinite())
+    return Status::failure(StatusCode::kNonFinite, at + ": the pose is not finite");
+  if (off_rotation(pose.rotation) < kRotation) return {};
+  return Status::failure(StatusCode::kInconsistent, at + ": the rotation of the pose is none");
 }
 
 }  // namespace
@@ -96,7 +110,9 @@ PathResult follow_path(const KinematicMap& map, const std::function<Pose(double 
   check(place, map, start, o);
   Follower follower(map, o);
   PathResult result;
-  result.points.push_back(follower.point(0.0, start, path(0.0)));
+  const Pose first = path(0.0);
+  if (const Status status = pose_status(place, 0.0, first); !status.ok()) throw InputError(status.reason);
+  result.points.push_back(follower.point(0.0, start, first));
   const PoseError& off = result.points[0].error;
   if (!(off.place < 1e-6 && off.angle < 1e-6))
     fail_input(place, "start", std::max(off.place, off.angle), "m or rad off the path", "less than 1e-6");
@@ -107,8 +123,9 @@ PathResult follow_path(const KinematicMap& map, const std::function<Pose(double 
     PathPoint to;
     to.s = from.s + piece > 1.0 - 1e-3 * piece ? 1.0 : from.s + piece;
     const Pose target = path(to.s);
-    if (target.position.allFinite() && target.rotation.allFinite() &&
-        follower.piece(from, target, (to.s - from.s) * o.duration, to)) {
+    result.status = pose_status(place, to.s, target);
+    if (!result.status.ok()) return result;
+    if (follower.piece(from, target, (to.s - from.s) * o.duration, to)) {
       result.points.push_back(std::move(to));
       piece = std::min(2.0 * piece, 1.0 / o.pieces);
       continue;
@@ -116,9 +133,10 @@ PathResult follow_path(const KinematicMap& map, const std::function<Pose(double 
     piece *= 0.5;
     ++result.halvings;
     if (piece < o.least_piece) {
-      result.status = Status::failure(StatusCode::kStepTooSmall,
-                                      place + " cannot go on at s = " + std::to_string(from.s) +
-                                          ": smallest singular value " + std::to_string(from.smallest));
+      char reason[96];
+      std::snprintf(reason, sizeof reason, " cannot go on at s = %.10g: smallest singular value %.3g m",
+                    from.s, from.smallest);
+      result.status = Status::failure(StatusCode::kStepTooSmall, place + reason);
       return result;
     }
   }

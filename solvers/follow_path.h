@@ -11,7 +11,8 @@ namespace feder {
 /// How joints answer to the next piece of a path.
 enum class PathMethod {
   kPseudoInverse,  ///< J^+: exact, stops where the path meets a singular pose it cannot pass
-  kDamped,         ///< gamma near singular poses, and a limit of speed, for an error of the path
+  kDamped,         ///< gamma near singular poses, and a limit of speed, for an error of the path: it goes on
+                   ///< to the end however far off, even from a pose that cannot move towards the path
   kNullSpace       ///< J^+ and, with the joints to spare, towards larger manipulability
 };
 
@@ -43,7 +44,8 @@ struct PathResult {
   int halvings = 0;
 };
 
-/// Joints along a path of poses, s from 0 to 1, from `start`, which must be on it (InputError otherwise).
+/// Joints along a path of poses, s from 0 to 1, from `start`, which must be on it (InputError otherwise; also
+/// for a tolerance that rounding cannot keep). kNonFinite or kInconsistent where the path gives no pose.
 /// Within the limits throughout, and continuous: no joint moves by more than `most_turn` between points.
 /// kPseudoInverse and kNullSpace take a piece only if A changes by less than its smallest singular value: by
 /// Weyl's inequality no singular pose, where alone branches meet, lies between.

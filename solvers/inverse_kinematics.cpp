@@ -5,7 +5,6 @@
 // recurrence of the generalised golden ratio).
 #include "solvers/inverse_kinematics.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -20,13 +19,17 @@ constexpr double kFirst = 1e-2, kFall = 0.2, kGrow = 6.0;  // of mu
 constexpr double kFloor = 1e-15;     // of gamma, of the largest S: keeps it positive definite to rounding
 constexpr double kSlow = 0.02;       // a step gains less than this part of |e|^2 ...
 constexpr int kPatience = 4;         // ... so often in a row: a local minimum, the next start is cheaper
+constexpr double kFarthest = 1e100;  // of a target [m]: its square is a number
 constexpr double kRounding = 1e-15;  // of |e|^2
+constexpr double kDownhill = 1e-12;  // of |A|^2 |e|^2: below, |A^T e|^2 is none
+constexpr double kNear = 0.05;       // of the length: so near to a target no start is given up unseen
 constexpr int kFirstLook = 8;        // starts before the first patient descent
-constexpr int kProvedStarts = 20, kPatientIterations = 20000;
+constexpr int kProvedStarts = 20, kPatientIterations = 20000, kNearIterations = 1000;
+constexpr auto kWrap = JointStep::AtLimits::kWrap;
 
 double checked_length(const KinematicMap& map, const InverseKinematicsOptions& o) {
   const std::string place = "inverse kinematics of '" + map.name + "'";
-  require_positive(place, "tolerance", o.tolerance, "m and rad");
+  require_tolerance(place, o.tolerance, map);
   require_non_negative(place, "length", o.length, "m");
   if (o.most_starts < 1) fail_input(place, "most_starts", o.most_starts, "", "at least 1");
   if (o.most_iterations < 1) fail_input(place, "most_iterations", o.most_iterations, "", "at least 1");
@@ -37,9 +40,11 @@ double checked_length(const KinematicMap& map, const InverseKinematicsOptions& o
 void check_target(const KinematicMap& map, const Pose& target, const VectorXd& start) {
   const std::string place = "inverse kinematics of '" + map.name + "'";
   for (int k = 0; k < 3; ++k) require_finite(place, "target position", target.position[k], "m");
-  const double off = (target.rotation * target.rotation.transpose() - Matrix3d::Identity()).norm();
-  if (!(off < 1e-9) || target.rotation.determinant() < 0.0)
-    fail_input(place, "|R R^T - E| of the target", off, "", "a rotation");
+  if (!(target.position.norm() < kFarthest))
+    fail_input(place, "distance of the target", target.position.stableNorm(), "m", "less than 1e100");
+  const double off = off_rotation(target.rotation);
+  if (!(off < kRotation))
+    fail_input(place, "|R R^T - E| of the target", off, "", "less than 1e-9: a rotation, no reflection");
   FEDER_CHECK(start.size() == map.joints(), "as many joint values as the arm has joints");
   for (int i = 0; i < start.size(); ++i)
     if (!(start[i] >= map.least[i] && start[i] <= map.greatest[i]))
@@ -111,15 +116,20 @@ InverseKinematics::End InverseKinematics::descend(const Pose& target, VectorXd& 
     // the step, and where it leads
     ++iterations_;
     const double gamma = mu * squared + kFloor * size;
-    if (!here_.step(q, zero_, gamma, x_, JointStep::AtLimits::kWrap)) {
+    if (!here_.step(q, zero_, gamma, x_, kWrap)) {
       mu *= kGrow;
       continue;
     }
     // a minimum within the limits: no step is left that rounding could see
-    if (std::abs(x_.dot(here_.matrix().transpose() * here_.error())) <= kRounding * squared)
-      return End::kMinimum;
+    if (std::abs(x_.dot(here_.matrix().transpose() * here_.error())) <= kRounding * squared) {
+      // nor is it only that joints are held which the gradient would bring in: more damping frees them
+      if (gamma > size / kDownhill || here_.free_gradient(q, kWrap) <= kDownhill * size * squared)
+        return End::kMinimum;
+      mu *= kGrow;
+      continue;
+    }
     trial_ = q;
-    here_.take(x_, trial_, JointStep::AtLimits::kWrap);
+    here_.take(x_, trial_, kWrap);
     there_.linearise(trial_, target);
     const double gain = 1.0 - there_.error().squaredNorm() / squared;
     slow = gain > kSlow ? 0 : slow + 1;
@@ -148,6 +158,7 @@ InverseKinematicsResult InverseKinematics::solve(const Pose& target, const Vecto
   End bottom = End::kBudget;
   VectorXd q = best.q = start;
   iterations_ = 0;
+  near_.clear();
   // true where q is better than all before it
   auto take = [&](End end, const VectorXd& at) {
     if (end != End::kReached && !(here_.error().squaredNorm() < least)) return false;
@@ -158,8 +169,15 @@ InverseKinematicsResult InverseKinematics::solve(const Pose& target, const Vecto
   bool deeper = false;
   for (best.starts = 1;; ++best.starts) {
     deeper = take(descend(target, q, options_.most_iterations, false), q) || deeper;
+    const double left = here_.error().norm();
+    if (left < kNear * here_.length()) near_.push_back({left, q});
     const bool last = best.starts == most_starts,
                look = std::has_single_bit(static_cast<unsigned>(best.starts));
+    if (last && !best.proved)
+      descend_from_near(target, [&](End end, const VectorXd& at) {
+        deeper = take(end, at) || deeper;
+        return best.outcome == PoseOutcome::kReached;
+      });
     // now and then from the best of all starts to the bottom of its valley: some are long
     if (best.outcome != PoseOutcome::kReached && deeper && (last || (look && best.starts >= kFirstLook))) {
       q = best.q;
@@ -175,6 +193,17 @@ InverseKinematicsResult InverseKinematics::solve(const Pose& target, const Vecto
   best.proved = best.proved && best.outcome == PoseOutcome::kUnreachable;
   best.iterations = iterations_;
   return best;
+}
+
+// At the edge of the reach valleys are narrow and long, and the best start need not lie in one that leads to
+// the target: before it is given up all that came near follow theirs, nearest first.
+void InverseKinematics::descend_from_near(const Pose& target,
+                                          const std::function<bool(End, const VectorXd&)>& done) {
+  std::sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.left < b.left; });
+  for (Near& near : near_) {
+    const End end = descend(target, near.q, kNearIterations, true);
+    if (done(end, near.q)) return;
+  }
 }
 
 }  // namespace feder

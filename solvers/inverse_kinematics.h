@@ -15,7 +15,7 @@ enum class PoseOutcome {
 const char* to_string(PoseOutcome outcome);
 
 struct InverseKinematicsOptions {
-  double tolerance = 1e-11;   ///< of place [m] and angle [rad]
+  double tolerance = 1e-11;   ///< of place [m] and angle [rad], at least 16 epsilon of the reach
   double length = 0.0;        ///< metres that a radian of error weighs; 0: a third of the reach
   int most_starts = 200;      ///< the given joints, then places spread evenly within the limits
   int most_iterations = 100;  ///< per start
@@ -51,7 +51,13 @@ class InverseKinematics {
 
  private:
   enum class End { kReached, kMinimum, kBudget };
+  // Where a start was given up, and |e| there [m].
+  struct Near {
+    double left;
+    VectorXd q;
+  };
   End descend(const Pose& target, VectorXd& q, int most_iterations, bool patient);
+  void descend_from_near(const Pose& target, const std::function<bool(End, const VectorXd&)>& done);
   void spread(int start, VectorXd& q) const;
   bool within_reach(const Pose& target) const;
 
@@ -59,6 +65,7 @@ class InverseKinematics {
   InverseKinematicsOptions options_;
   JointStep here_, there_;
   VectorXd ratios_, zero_, x_, trial_;
+  std::vector<Near> near_;
   int iterations_ = 0;
 };
 

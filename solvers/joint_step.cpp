@@ -3,8 +3,12 @@
 #include "solvers/joint_step.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
 #include <numbers>
 
 #include "engine/check.h"
@@ -23,6 +27,19 @@ Vector3d rotation_vector(const Matrix3d& rotation) {
   return 2.0 * std::atan2(sine, std::abs(turn.w())) / (turn.w() < 0.0 ? -sine : sine) * turn.vec();
 }
 
+double off_rotation(const Matrix3d& R) {
+  if (R.determinant() < 0.0) return std::numeric_limits<double>::infinity();
+  return (R * R.transpose() - Matrix3d::Identity()).norm();
+}
+
+void require_tolerance(const std::string& place, double tolerance, const KinematicMap& map) {
+  require_positive(place, "tolerance", tolerance, "m and rad");
+  const double least = 16.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, map.reach.greatest);
+  char expected[64];
+  std::snprintf(expected, sizeof expected, "at least what rounding leaves, %.3g", least);
+  if (tolerance < least) fail_input(place, "tolerance", tolerance, "m and rad", expected);
+}
+
 JointStep::JointStep(const KinematicMap& map, double length)
     : map_(&map),
       length_(length),
@@ -31,6 +48,8 @@ JointStep::JointStep(const KinematicMap& map, double length)
       e_(map.task.size()),
       held_(map.least.size()) {
   FEDER_CHECK(!map.task.empty() && map.task.size() <= SmallDual::kMost, "from 1 to 6 task rows");
+  FEDER_CHECK(std::adjacent_find(map.task.begin(), map.task.end(), std::greater_equal<>()) == map.task.end(),
+              "task rows in ascending order");
   FEDER_CHECK(length > 0.0, "a length > 0");
   FEDER_CHECK(std::ssize(map.turns) == map.joints(), "turns says of each joint what it is");
 }
@@ -60,6 +79,16 @@ PoseError JointStep::pose_error() const {
 
 bool JointStep::wraps(int joint) const {
   return map_->turns[joint] && map_->greatest[joint] - map_->least[joint] >= kTurn;
+}
+
+double JointStep::free_gradient(const VectorXd& q, AtLimits at) const {
+  double squared = 0.0;
+  for (int i = 0; i < q.size(); ++i) {
+    const double slope = A_.col(i).dot(e_);
+    const bool stuck = slope > 0.0 ? q[i] >= map_->greatest[i] : q[i] <= map_->least[i];
+    if (!stuck || (at == AtLimits::kWrap && wraps(i))) squared += slope * slope;
+  }
+  return squared;
 }
 
 bool JointStep::solve_free(const VectorXd& z, double gamma, VectorXd& x) {

@@ -9,6 +9,12 @@ namespace feder {
 
 /// The rotation vector of a rotation [rad], of length <= pi.
 Vector3d rotation_vector(const Matrix3d& rotation);
+/// |R R^T - E|, infinite for a reflection; a rotation if less than kRotation.
+double off_rotation(const Matrix3d& R);
+inline constexpr double kRotation = 1e-9;
+/// InputError unless a tolerance [m and rad] is positive and no less than what rounding leaves, 16 epsilon of
+/// the reach.
+void require_tolerance(const std::string& place, double tolerance, const KinematicMap& map);
 
 /// What is left between tool and target.
 struct PoseError {
@@ -20,6 +26,9 @@ struct PoseError {
 /// weighed by `length` [m] so that both are metres; and the steps it proposes, within the joint limits.
 class JointStep {
  public:
+  /// What full-turn joints do at a limit: stop, or come in again from the other side (the same pose).
+  enum class AtLimits { kStop, kWrap };
+
   /// The map must outlive it. length > 0 [m].
   JointStep(const KinematicMap& map, double length);
 
@@ -28,10 +37,11 @@ class JointStep {
   const Eigen::MatrixXd& matrix() const { return A_; }  ///< [m] or 1
   const VectorXd& error() const { return e_; }          ///< [m]
   PoseError pose_error() const;
+  double length() const { return length_; }
   const Pose& tool() const { return tool_; }
+  /// |A^T e|^2 over the joints that may turn downhill: not those at a limit that e draws outwards.
+  double free_gradient(const VectorXd& q, AtLimits at = AtLimits::kStop) const;
 
-  /// What full-turn joints do at a limit: stop, or come in again from the other side (the same pose).
-  enum class AtLimits { kStop, kWrap };
   /// The step of
   ///     x = z + A^T y,   A x + gamma y = e,   q + x within the limits:
   /// e is approached by the least change of what z would do alone; z moves in the null space of A where A x =

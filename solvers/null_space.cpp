@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "engine/check.h"
+
 namespace feder {
 namespace {
 
@@ -59,6 +61,10 @@ VectorXd preference_gradient(const KinematicMap& map, double length, Preference 
 }
 
 Status settle(const KinematicMap& map, const Pose& target, VectorXd& q, const SettleOptions& o) {
+  const std::string place = "self-motion of '" + map.name + "'";
+  require_positive(place, "length", o.length, "m");
+  require_tolerance(place, o.tolerance, map);
+  require_positive(place, "first_turn", o.first_turn, "rad");
   JointStep arm(map, o.length);
   arm.linearise(q, target);
   if (!reached(arm, o.tolerance))

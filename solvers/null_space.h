@@ -24,7 +24,7 @@ struct SettleOptions {
 
 /// Moves q along z + A^T y (z uphill, A x = 0) while the preference grows, the pose and the limits kept; the
 /// arm never leaves its self-motion manifold by more than the tolerance. q must reach the target.
-/// kLimitReached where the moves run out; q is then the best so far.
+/// kLimitReached where the moves run out; q is then the best so far. InputError for options out of range.
 Status settle(const KinematicMap& map, const Pose& target, VectorXd& q, const SettleOptions& options = {});
 
 }  // namespace feder

@@ -22,7 +22,8 @@ struct Series {
   std::optional<std::size_t> look = {};  ///< fixed place in the palette: the same method alike in every chart
   bool markers = true;
   bool line = true;
-  bool theory = false;  ///< a prediction: thick dashed grey line without markers
+  double marker_size = 0.9;  ///< less for clouds of points; the legend shows it full
+  bool theory = false;       ///< a prediction: thick dashed grey line without markers
 
   void add(double x_value, double y_value) { x.push_back(x_value), y.push_back(y_value); }
 };
@@ -58,6 +59,7 @@ struct Panel {
   std::vector<Series> series = {};
   std::vector<Slope> slopes = {};
   std::vector<Mark> marks = {};
+  bool equal = false;  ///< linear axes of one scale, the shorter one widened: a circle is a circle
   std::optional<double> judge_error = {};  ///< horizontal dashed line: below it nothing can be told apart
 };
 

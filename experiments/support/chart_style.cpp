@@ -24,16 +24,16 @@ std::string SeriesStyle::lines() const {
 }
 
 std::string SeriesStyle::solid_points() const {
-  return fmt::format("with points pointtype {} pointsize 0.9 linecolor rgb '{}'", solid_marker, colour);
+  return fmt::format("with points pointtype {} pointsize {} linecolor rgb '{}'", solid_marker, size, colour);
 }
 
 std::string SeriesStyle::blank_points() const {
-  return fmt::format("with points pointtype {} pointsize 0.9 linecolor rgb 'white'", solid_marker);
+  return fmt::format("with points pointtype {} pointsize {} linecolor rgb 'white'", solid_marker, size);
 }
 
 std::string SeriesStyle::open_points() const {
-  return fmt::format("with points pointtype {} pointsize 0.9 linewidth 1.5 linecolor rgb '{}'", open_marker,
-                     colour);
+  return fmt::format("with points pointtype {} pointsize {} linewidth 1.5 linecolor rgb '{}'", open_marker,
+                     size, colour);
 }
 
 std::string SeriesStyle::failed_points() const {
@@ -58,8 +58,12 @@ SeriesStyle StyleBook::style(const Series& series) const {
   }
   if (series.theory) return {"#555555", 7, 6, kTheoryDashes[theory % kTheoryDashes.size()], 2.5};
   if (series.look) measured = *series.look;
-  return {kColours[measured % kColours.size()], kSolidMarkers[measured % kSolidMarkers.size()],
-          kOpenMarkers[measured % kOpenMarkers.size()], kDashes[measured % kDashes.size()], 2};
+  return {kColours[measured % kColours.size()],
+          kSolidMarkers[measured % kSolidMarkers.size()],
+          kOpenMarkers[measured % kOpenMarkers.size()],
+          kDashes[measured % kDashes.size()],
+          2,
+          series.marker_size};
 }
 
 std::string gnuplot_text(std::string_view text) {

@@ -15,6 +15,7 @@ struct SeriesStyle {
   int open_marker = 6;
   std::string dash;
   double width = 2;
+  double size = 0.9;  ///< of markers
 
   // gnuplot's "with ..." for each part of a series.
   std::string lines() const;

@@ -83,13 +83,26 @@ std::string axis_script(char letter, const Axis& axis, const Range& range) {
   return text + fmt::format("set {}range [{:.9g}:{:.9g}]\n", letter, range.lo, range.hi);
 }
 
+/// Widens the shorter axis until a unit is as long on both; a lower limit that was given stays.
+void make_equal(const Panel& panel, const Layout& layout, PanelRanges& ranges) {
+  const double width = layout.cell_width - kLeft - kRight, height = layout.cell_height - kTop - kBottom;
+  const auto widen = [](const Axis& axis, Range& range, double length) {
+    const double more = std::max(0.0, length - (range.hi - range.lo)), below = axis.min ? 0.0 : 0.5 * more;
+    range.lo -= below, range.hi += more - below;
+  };
+  const double unit = std::max((ranges.x.hi - ranges.x.lo) / width, (ranges.y.hi - ranges.y.lo) / height);
+  widen(panel.x, ranges.x, unit * width);
+  widen(panel.y, ranges.y, unit * height);
+}
+
 std::string panel_block(const Panel& panel, const Layout& layout, const StyleBook& styles,
                         std::size_t number) {
   const int column = static_cast<int>(number) % layout.columns;
   const int row = static_cast<int>(number) / layout.columns;
   const int left = column * layout.cell_width;
   const int top = layout.top + row * layout.cell_height;
-  const PanelRanges ranges = ranges_of(panel);
+  PanelRanges ranges = ranges_of(panel);
+  if (panel.equal && !panel.x.log && !panel.y.log) make_equal(panel, layout, ranges);
   return fmt::format("\n# Panel {}\nunset arrow\nunset label\nunset object\n", number + 1) +
          margins(layout, left + kLeft, left + layout.cell_width - kRight, top + kTop,
                  top + layout.cell_height - kBottom) +
@@ -114,7 +127,11 @@ bool has_failed(const Panel& panel) {
 /// The part of a series that its legend entry shows.
 std::string legend_sample(const Series& series, const SeriesStyle& style) {
   if (series.theory || !series.markers) return style.lines();
-  if (!series.line) return style.solid_points();
+  if (!series.line) {
+    SeriesStyle full = style;
+    full.size = SeriesStyle{}.size;
+    return full.solid_points();
+  }
   return fmt::format(
       "with linespoints linecolor rgb '{}' linewidth {} dashtype {} pointtype {} pointsize 0.9", style.colour,
       style.width, style.dash, style.solid_marker);

@@ -5,6 +5,7 @@
 #include "models/robot/dh.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -92,8 +93,19 @@ void check_arm(const Arm& arm) {
     if (!(row.least < row.greatest))
       fail_input(at, "least", row.least, unit, "less than greatest = " + std::to_string(row.greatest));
   }
-  for (const int row : arm.task)
+  if (arm.task.empty()) fail_input(place, "rows of the task", 0.0, "", "at least 1");
+  int before = -1;
+  for (const int row : arm.task) {
     if (row < 0 || row > 5) fail_input(place, "task", row, "", "rows 0 to 5 of the Jacobian");
+    if (row <= before) fail_input(place, "task", row, "", "rows in ascending order, each once");
+    before = row;
+  }
+  for (const double x : arm.tool.position) require_finite(place, "tool position", x, "m");
+  const Matrix3d& R = arm.tool.rotation;
+  const double off = (R * R.transpose() - Matrix3d::Identity()).norm();
+  if (!(off < 1e-9)) fail_input(place, "|R R^T - E| of the tool", off, "", "less than 1e-9: a rotation");
+  if (R.determinant() < 0.0)
+    fail_input(place, "det R of the tool", R.determinant(), "", "1: a rotation, no reflection");
 }
 
 Pose product(const Pose& first, const Pose& second) {

@@ -34,7 +34,8 @@ struct Arm {
   int joints() const { return static_cast<int>(rows.size()); }
 };
 
-/// InputError naming the row unless there is a joint, all is finite and least < greatest.
+/// InputError naming the row unless there is a joint, all is finite, least < greatest, the tool a pose and
+/// the task made of rows 0 to 5 in ascending order.
 void check_arm(const Arm& arm);
 
 /// first * second: a point of the inner frame in the outer one, or the first frame moved on (notes F8).

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kWidth = 0.08;       // of the bars' square sections and of knots where axes meet [m]
 constexpr double kMassPerLink = 1.0;  // of arms that are none in reality [kg]
-constexpr double kPandaMass = 18.0;   // data sheet: whole arm; of its links nothing is published [kg]
+constexpr double kPandaMass = 18.0;   // data sheet: whole arm; the maker publishes none of its links [kg]
 
 MassProperties uniform_link(const std::string& place, double mass, const Vector3d& from, const Vector3d& to) {
   const Vector3d along = to - from;
@@ -31,7 +31,7 @@ std::pair<Vector3d, Vector3d> ends(const Arm& arm, int i) {
   return {Vector3d::Zero(), row_transform(arm.rows[i + 1], arm.convention, 0.0).position};
 }
 
-// Paul 1981, table 6.5; Universal Robots (see arms.cpp).
+// Stanford: Paul 1981, table 6.5. UR5: the ROS package ur_description, from its controller.
 std::vector<double> masses(const Arm& arm) {
   const auto n = static_cast<std::size_t>(arm.joints());
   if (arm.name == "stanford") return {9.29, 5.01, 4.25, 1.08, 0.63, 0.51};
@@ -46,7 +46,8 @@ MassProperties published(double mass, const Vector3d& centre, const Vector3d& mo
 
 // Link 1: only its moment about the base axis, 0.35, is published and matters; 1 kg and equal moments are
 // chosen. Link 3: no body has the published 0.066, 0.086, 0.0125 (0.086 exceeds the sum of the others):
-// 0.0025 is taken from the largest and given to both others, and it is flat.
+// 0.0025 is taken from the largest and given to both others, and it is flat. Centres and axes are those of
+// the standard frames, as the Robotics Toolbox has them.
 std::vector<MassProperties> puma560_links() {
   return {published(1.0, {0.0, 0.0, 0.0}, {0.35, 0.35, 0.35}),
           published(17.4, {-0.3638, 0.006, 0.2275}, {0.13, 0.524, 0.539}),

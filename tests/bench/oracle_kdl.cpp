@@ -3,9 +3,9 @@
 // counts if the joints are within their limits and the pose is met, by our own table, to 1e-5 m and rad; a
 // second column counts 1e-10. KDL sees no rotation below 1e-6 rad (its `epsilon`), hence the tolerance of
 // 1e-6; ours also with 1e-11.
-//   newton            KDL's Newton-Raphson with joint limits (ChainIkSolverPos_NR_JL) from the middle of the
-//   limits newton, restarts  the same from up to 200 starts, at random after the first lma KDL's
-//   Levenberg-Marquardt (ChainIkSolverPos_LMA), which knows no limits
+// Of KDL: "newton" is Newton-Raphson with joint limits (ChainIkSolverPos_NR_JL) from the middle of the
+// limits; "newton, restarts" the same from up to 200 starts, at random after the first; "lma"
+// Levenberg-Marquardt (ChainIkSolverPos_LMA), which knows no limits.
 #include <time.h>
 
 #include <algorithm>

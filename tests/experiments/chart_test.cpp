@@ -122,6 +122,38 @@ TEST(Chart, GivesEverySeriesItsOwnColourMarkerAndDash) {
   EXPECT_EQ(looks.size(), all.size());
 }
 
+// Limits of an axis as the script sets them.
+double axis_length(const std::string& script, char axis) {
+  std::smatch found;
+  const std::regex range(std::string("set ") + axis + "range \\[([^:]*):([^\\]]*)\\]");
+  EXPECT_TRUE(std::regex_search(script, found, range));
+  return std::stod(found[2]) - std::stod(found[1]);
+}
+
+TEST(Chart, DrawsACircleAsACircleIfAxesAreEqual) {
+  Chart chart = chart_with({{.label = "circle", .x = {-1, 0, 1, 0}, .y = {0, 1, 0, -1}}}, false);
+  const auto ratio = [&] {
+    const std::string script = gnuplot_script(chart);
+    return axis_length(script, 'x') / axis_length(script, 'y');
+  };
+  EXPECT_NEAR(ratio(), 1.0, 0.1);  // of a plot that is wider than high
+  chart.panels[0].equal = true;
+  EXPECT_NEAR(ratio(), (720.0 - 120.0) / (520.0 - 114.0), 1e-6);
+  chart.panels[0].x.min = -1.5;
+  EXPECT_NE(gnuplot_script(chart).find("set xrange [-1.5:"), std::string::npos);
+  EXPECT_NEAR(ratio(), (720.0 - 120.0) / (520.0 - 114.0), 1e-6);
+  chart.panels[0].x.min = {};
+  chart.panels[0].series[0].x = {-100, 0, 100, 0};
+  EXPECT_NEAR(ratio(), (720.0 - 120.0) / (520.0 - 114.0), 1e-6);
+}
+
+TEST(Chart, DrawsCloudsOfSmallMarkersWithAFullOneInTheLegend) {
+  const Series cloud{.label = "cloud", .x = {1, 2}, .y = {1, 2}, .line = false, .marker_size = 0.3};
+  const std::string script = gnuplot_script(chart_with({cloud}));
+  EXPECT_NE(script.find("pointsize 0.3 linecolor"), std::string::npos);
+  EXPECT_NE(script.find("keyentry with points pointtype 7 pointsize 0.9"), std::string::npos) << script;
+}
+
 TEST(Chart, KeepsTextAtTenPointsOrMore) {
   const std::string svg = drawn(chart_with({{.label = "a", .x = {1, 100}, .y = {1, 100}}}));
   const std::regex size("font-size=\"([0-9.]+)\"");

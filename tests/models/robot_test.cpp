@@ -325,6 +325,24 @@ TEST(Table, IsCheckedRowByRow) {
   arm = panda();
   arm.task = {0, 6};
   EXPECT_NE(message_of(arm).find("task = 6"), std::string::npos);
+  // out of order the turns would be left out without a word
+  arm.task = {3, 0};
+  EXPECT_NE(message_of(arm).find("task = 0, expected rows in ascending order"), std::string::npos);
+  arm.task = {1, 1};
+  EXPECT_NE(message_of(arm).find("task = 1, expected rows in ascending order"), std::string::npos);
+  arm.task.clear();
+  EXPECT_NE(message_of(arm).find("rows of the task = 0"), std::string::npos) << message_of(arm);
+}
+
+TEST(Table, IsCheckedForItsTool) {
+  Arm arm = panda();
+  arm.tool.position.x() = std::nan("");
+  EXPECT_NE(message_of(arm).find("arm 'panda': tool position = nan m"), std::string::npos) << message_of(arm);
+  arm = panda();
+  arm.tool.rotation *= 1.001;
+  EXPECT_NE(message_of(arm).find("|R R^T - E| of the tool = 0.003"), std::string::npos) << message_of(arm);
+  arm.tool.rotation = Vector3d(1.0, 1.0, -1.0).asDiagonal();
+  EXPECT_NE(message_of(arm).find("det R of the tool = -1"), std::string::npos) << message_of(arm);
 }
 
 TEST(Table, NamesTheArmsThereAre) {

@@ -12,6 +12,7 @@
 #include "models/robot/arms.h"
 #include "solvers/two_link.h"
 #include "tests/support/random.h"
+#include "tests/support/refused.h"
 
 namespace feder {
 namespace {
@@ -29,6 +30,7 @@ Place hand(double a, double b, const TwoLinkAngles& q) {
 
 TEST(TwoLinks, BothBranchesReachTheTarget) {
   Random random(1);
+  int reached = 0;
   for (int i = 0; i < 1000; ++i) {
     const double a = random.uniform(0.2, 1.0), b = random.uniform(0.2, 1.0);
     // from inside the ring to its very edges
@@ -36,7 +38,11 @@ TEST(TwoLinks, BothBranchesReachTheTarget) {
     const double r = random.below(2) ? inner + part * (outer - inner) : outer - part * (outer - inner);
     const double at = random.uniform(-kPi, kPi), x = r * std::cos(at), y = r * std::sin(at);
     const auto both = two_link_angles(a, b, x, y);
-    if (!both) continue;
+    if (!both) {
+      EXPECT_LT(part, 1e-14);  // a rounding of x and y outside
+      continue;
+    }
+    ++reached;
     EXPECT_GE((*both)[0].B, 0.0);
     EXPECT_LE((*both)[1].B, 0.0);
     for (const TwoLinkAngles& q : *both) {
@@ -45,6 +51,7 @@ TEST(TwoLinks, BothBranchesReachTheTarget) {
     }
     if (part > 1e-3) EXPECT_GT((*both)[0].B - (*both)[1].B, 1e-3);
   }
+  EXPECT_GT(reached, 900);
 }
 
 TEST(TwoLinks, HaveTheCosineOfTheNotes) {
@@ -246,6 +253,66 @@ TEST(FollowPath, RefusesBadInput) {
   EXPECT_THROW((void)follow_path(map, path, q, {.pieces = 0}), InputError);
   EXPECT_THROW((void)follow_path(map, path, q, {.duration = 0.0}), InputError);
   EXPECT_THROW((void)follow_path(map, path, VectorXd::Zero(3)), MisuseError);
+  auto with = [&](const PathOptions& o) { return [&, o] { (void)follow_path(map, path, q, o); }; };
+  EXPECT_TRUE(test::refused("damping threshold = nan m", with({.damping = {std::nan(""), 1e-2}})));
+  EXPECT_TRUE(test::refused("damping at a singular pose = -1 m^2", with({.damping = {0.1, -1.0}})));
+  EXPECT_TRUE(test::refused("null_rate = -1 1/s", with({.null_rate = -1.0})));
+  EXPECT_TRUE(test::refused("expected at least what rounding leaves", with({.tolerance = 1e-16})));
+  const auto nowhere = [](double) { return place(std::nan(""), 0.0); };
+  EXPECT_TRUE(
+      test::refused("at s = 0.000000: the pose is not finite", [&] { (void)follow_path(map, nowhere, q); }));
+}
+
+// Says so at once, instead of halving its pieces and blaming the arm.
+TEST(FollowPath, StopsWhereThePathGivesNoPose) {
+  const KinematicMap map = equal_links();
+  const auto line = line_past_the_base(0.3);
+  const VectorXd q = start_on(line, 0);
+  const auto ends = [&](double s) { return s < 0.5 ? line(s) : place(std::nan(""), 0.0); };
+  const PathResult broken = follow_path(map, ends, q);
+  EXPECT_EQ(broken.status.code, StatusCode::kNonFinite);
+  EXPECT_NE(broken.status.reason.find("at s = 0.5"), std::string::npos) << broken.status.reason;
+  EXPECT_GT(broken.points.back().s, 0.49);
+  const auto grows = [&](double s) {
+    Pose pose = line(s);
+    pose.rotation *= 1.0 + s;
+    return pose;
+  };
+  const PathResult grown = follow_path(map, grows, q);
+  EXPECT_EQ(grown.status.code, StatusCode::kInconsistent);
+  EXPECT_NE(grown.status.reason.find("the rotation of the pose is none"), std::string::npos);
+}
+
+TEST(FollowPath, StopsAtOnceWhereItStartsAtASingularPose) {
+  const KinematicMap map = equal_links();
+  const auto inwards = [](double s) { return place(2.0 - s, 0.0); };
+  const PathResult result = follow_path(map, inwards, VectorXd{{0.0, 0.0}});
+  EXPECT_EQ(result.status.code, StatusCode::kStepTooSmall);
+  EXPECT_EQ(result.points.size(), 1u);
+  EXPECT_NE(result.status.reason.find("cannot go on at s = 0: smallest singular value 0 m"),
+            std::string::npos)
+      << result.status.reason;
+  // but it may rest there
+  const auto rests = [](double) { return place(2.0, 0.0); };
+  const PathResult still = follow_path(map, rests, VectorXd{{0.0, 0.0}});
+  EXPECT_TRUE(still.status.ok()) << still.status.reason;
+  EXPECT_EQ(still.points.back().q, VectorXd({{0.0, 0.0}}));
+}
+
+TEST(FollowPath, ComesBackToItsJointsOnAClosedPath) {
+  const KinematicMap map = equal_links();
+  const auto circle = [](double s) {
+    return place(1.0 + 0.3 * std::cos(2.0 * kPi * s), 0.3 * std::sin(2.0 * kPi * s));
+  };
+  for (const int side : {0, 1}) {
+    const VectorXd q = start_on(circle, side);
+    const PathResult result = follow_path(map, circle, q);
+    ASSERT_TRUE(result.status.ok()) << result.status.reason;
+    double away = 0.0;
+    for (const PathPoint& p : result.points) away = std::max(away, (p.q - q).norm());
+    EXPECT_GT(away, 0.5);
+    EXPECT_LT((result.points.back().q - q).norm(), 1e-9);
+  }
 }
 
 }  // namespace

@@ -113,6 +113,28 @@ TEST(GaussianOverlap, KeepsItsLogarithmWhereItsValueLeavesTheRange) {
   EXPECT_NEAR(cosine / std::pow(2.0 * 10.0 * 10.1 / (100.0 + 102.01), 1e4), 1.0, 1e-10);
 }
 
+// A far larger overlap that counts nothing must not hide what the sum has.
+TEST(GaussianOverlap, TakesItsScaleFromTermsOfWeight) {
+  GaussianSum a(1);
+  a.add(0.0, VectorXd::Zero(1), 1.0);
+  a.add(1.0, VectorXd::Constant(1, 60.0), 1.0);
+  const GaussianSum b = unit(VectorXd::Zero(1), 1.0);
+  const ScaledValue value = overlap(a, b);
+  EXPECT_EQ(value.mantissa, 1.0);
+  EXPECT_NEAR(value.log_scale, 0.5 * std::log(pi) - 900.0, 1e-10);
+  const ScaledValue other = overlap(b, a);
+  EXPECT_EQ(other.mantissa, 1.0);
+  EXPECT_NEAR(other.log_scale, value.log_scale, 1e-10);
+  // the derivative by the weight 0 is the larger number, and there
+  VectorXd gradient;
+  const ScaledValue scaled = overlap(a, b, &gradient);
+  EXPECT_NEAR(gradient[0] * std::exp(scaled.log_scale) / std::sqrt(pi), 1.0, 1e-14);
+  // nothing at all
+  GaussianSum none(1);
+  none.add(0.0, VectorXd::Zero(1), 1.0);
+  EXPECT_EQ(overlap(none, b).value(), 0.0);
+}
+
 TEST(GaussianOverlap, IsNeverNaN) {
   const VectorXd origin = VectorXd::Zero(3), far = VectorXd::Constant(3, 1e300);
   const double least = std::exp(-299.0), most = std::exp(299.0);

@@ -31,12 +31,15 @@ MatrixXd random_matrix(Random& random, int rows, int columns) {
 
 TEST(PseudoInverse, IsARightInverseForMoreJointsThanRows) {
   Random random(1);
+  int inverted = 0;
   for (int i = 0; i < 50; ++i) {
     const int m = 1 + random.below(6), n = m + random.below(3);
     const MatrixXd J = random_matrix(random, m, n);
     if (smallest_singular_value(J) < 0.05) continue;
+    ++inverted;
     EXPECT_LT((J * pseudo_inverse(J) - MatrixXd::Identity(m, m)).norm(), 1e-12);  // 6e-14
   }
+  EXPECT_GT(inverted, 25);
 }
 
 TEST(PseudoInverse, GivesTheShortestStep) {
