@@ -19,19 +19,18 @@
 #include "experiments/support/experiment.h"
 #include "experiments/support/measure.h"
 #include "experiments/support/timing.h"
+#include "models/catalog.h"
 #include "models/dam_break.h"
 #include "models/floating_body.h"
 #include "models/hydrostatic_column.h"
 #include "solvers/fluid_stability.h"
 #include "solvers/simulate.h"
-#include "solvers/step_row_solver.h"
 
 namespace feder::experiments {
 namespace {
 
-constexpr double kBlownUp = 10.0;   // times the kinetic energy of a stable run
-constexpr double kPart = 0.2;       // of h/c: the step of the runs
-constexpr double kSoftness = 1e-4;  // of the direct projection, as in symplectic Euler
+constexpr double kBlownUp = 10.0;  // times the kinetic energy of a stable run
+constexpr double kPart = 0.2;      // of h/c: the step of the runs
 constexpr int kTrialSteps = 600;
 
 const ExperimentInfo kInfo{
@@ -47,6 +46,7 @@ const ExperimentInfo kInfo{
                  {"column_layers", Kind::kNumbers, "12,24", "12,24,48", "of the settled column"},
                  {"box_sides", Kind::kNumbers, "6,12", "6,12,24,48", "spacings along the floating box"},
                  {"dam_layers", Kind::kNumbers, "8,16,32", "8,16,32,64", "of the dam"},
+                 {"projection_layers", Kind::kNumbers, "24,71", "24,45,71", "of a square column"},
                  {"sweeps", Kind::kNumbers, "0,1,3,10,30,100,300",
                   "0,1,2,5,10,20,50,100,200,500,1000,2000,5000", "over the density rows; 0: direct"},
                  {"repeats", Kind::kInteger, "3", "7", "timings, of which the best counts"}},
@@ -211,45 +211,45 @@ void study_front(Context& context, int layers) {
 
 // ---- Projection
 
-// What is left of the rows, largest phi + dt phidot, and the time it took.
-void study_projection(Context& context, int sweeps) {
+// What one step leaves of its rows, largest phi + dt phidot(v'), and the time it takes.
+void add_projection(Context& context, const Model& model, int sweeps) {
   constexpr double kStep = 2e-3;
-  HydrostaticColumn options;
-  options.layers = 24, options.columns = 12, options.push = 0.0;
-  options.sound_speed = std::numeric_limits<double>::infinity();
-  const Model model = make_hydrostatic_column(options);
-  const System& s = model.system;
-  DensityRows density;
-  VectorXd kicked = model.state.v, v, y;
-  for (int i : s.fluid->particles()) kicked[3 * i + 1] += kStep * s.forces.gravity[1];
-  StepRows& rows = density.rows;
-  (void)density.evaluate(*s.fluid, model.state.q, kStep);
-  for (int k = 0; k < rows.count() && sweeps == 0; ++k)
-    rows.gamma[k] = kSoftness * rows.mobility(k, s.inverse_mass);
+  const IntegratorOptions options{.route = sweeps ? "sweeps" : "auto", .sweeps = std::max(1, sweeps)};
+  State state;
   Status status;
   const double seconds = best_of(static_cast<int>(context.settings.integer("repeats")), [&] {
-    StepRowSolver solver;
-    v = kicked;
-    y = VectorXd::Zero(rows.count());
-    for (int k = 0; k < rows.count() && sweeps == 0; ++k) y[k] = density.phi[k] > -1e-3 ? 1.0 : 0.0;
+    SymplecticEuler method(model.system, options);
+    History history;
+    state = model.state;
     const Stopwatch watch;
-    if (sweeps == 0) status = solver.solve(rows, s.inverse_mass, v, y);
-    for (int i = 0; i < sweeps; ++i) (void)sweep_step_rows(rows, s.inverse_mass, v, y);
+    status = method.prepare();
+    if (status.ok()) status = method.step(kStep, state, history, nullptr);
     return watch.seconds();
   });
+  DensityRows density;
+  (void)density.evaluate(*model.system.fluid, model.state.q, kStep);
   double left = 0.0;
-  for (int k = 0; k < rows.count(); ++k)
-    left = std::max(left, -kStep * (rows.multiply_row(k, v.data()) + rows.r[k]));
+  for (int k = 0; k < density.rows.count(); ++k)
+    left = std::max(left, density.phi[k] - kStep * density.rows.multiply_row(k, state.v.data()));
+  const std::size_t particles = model.system.fluid->particles().size();
   context.table.add({{"study", "projection"},
                      {"scene", "hydrostatic_column"},
+                     {"integrator", "symplectic_euler"},
                      {"dt", kStep},
                      {"status", to_string(status.code)},
                      {"reason", status.reason},
                      {"seconds", seconds},
-                     {"particles", s.fluid->particles().size()},
-                     {"solver", sweeps ? "sweeps" : "direct"},
+                     {"particles", particles},
+                     {"solver", fmt::format("{}, {} particles", sweeps ? "sweeps" : "direct", particles)},
                      {"sweeps", sweeps},
                      {"compression", left}});
+}
+
+void study_projection(Context& context, int layers) {
+  const Model model = make_model(
+      fmt::format("hydrostatic_column:sound_speed=inf,push=0,layers={},columns={}", layers, layers));
+  for (double sweeps : context.settings.numbers("sweeps"))
+    if (!context.interrupted()) add_projection(context, model, static_cast<int>(sweeps));
 }
 
 // ---- Charts
@@ -377,7 +377,7 @@ void body(Context& context) {
       {"column_layers", [](Context& c, double x) { study_pressure(c, static_cast<int>(x)); }},
       {"box_sides", [](Context& c, double x) { study_float(c, static_cast<int>(x)); }},
       {"dam_layers", [](Context& c, double x) { study_front(c, static_cast<int>(x)); }},
-      {"sweeps", [](Context& c, double x) { study_projection(c, static_cast<int>(x)); }},
+      {"projection_layers", [](Context& c, double x) { study_projection(c, static_cast<int>(x)); }},
   };
   long parts = 0;
   for (const Study& study : studies) parts += std::ssize(settings.numbers(study.list));

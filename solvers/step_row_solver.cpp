@@ -1,9 +1,4 @@
 // v = v_start + W J^T y turns J v + gamma y + r = 0 into S y = -(r + J v_start), S = J W J^T + gamma.
-// Unilateral rows: w = S y + r + J v_start >= 0, y >= 0, w y = 0. Guess which rows push, solve for their y
-// with the others 0, swap every row of the wrong sign: a Newton step of the convex
-//   F(v) = |v - v_start|^2_(1/W) / 2 + sum max(0, -(J v + r))^2 / (2 gamma)   where gamma > 0,
-// cut to the least F on its way where the number of wrong rows does not fall. Without gamma only the last of
-// them is swapped there (Murty's rule, which cannot cycle).
 #include "solvers/step_row_solver.h"
 
 #include <algorithm>
@@ -283,97 +278,10 @@ void StepRowSolver::set_right(const StepRows& rows, const VectorXd& start, const
   for (int k = 0; k < rows.count(); ++k) right_[k] = -(r_[k] + rows.multiply_row(k, start.data()));
 }
 
-// Where F is least between u = v_start + W J^T z and v = v_start + W J^T y: with a = J (v - u), c = J u + r,
-//   dF/dt = sum a (z + t (y - z)) - a max(0, -(c + t a)) / gamma,   which grows with t. Moves u, z there.
-void StepRowSolver::search(const StepRows& rows, const VectorXd& v, const VectorXd& y, VectorXd& u,
-                           VectorXd& z) const {
-  constexpr int kHalvings = 60;
-  const int m = rows.count();
-  VectorXd a(m), c(m);
-  for (int k = 0; k < m; ++k) {
-    c[k] = rows.multiply_row(k, u.data()) + r_[k];
-    a[k] = rows.multiply_row(k, v.data()) + r_[k] - c[k];
-  }
-  const auto slope = [&](double t) {
-    double sum = 0.0;
-    for (int k = 0; k < m; ++k) {
-      sum += a[k] * (z[k] + t * (y[k] - z[k]));
-      if (const double w = c[k] + t * a[k]; w < 0.0 && diagonal_[k] > 0.0) sum += a[k] * w / rows.gamma[k];
-    }
-    return sum;
-  };
-  double low = 0.0, high = 1.0;
-  if (slope(high) <= 0.0) low = high;
-  for (int i = 0; i < kHalvings && low < high; ++i) {
-    const double middle = 0.5 * (low + high);
-    (slope(middle) > 0.0 ? high : low) = middle;
-  }
-  u += high * (v - u);
-  z += high * (y - z);
-}
-
-// Which rows push, from the guess in active_.
-Status StepRowSolver::pivot(const StepRows& rows, const VectorXd& inverse_mass, const VectorXd& start,
-                            VectorXd& v, VectorXd& y) {
-  constexpr int kPatience = 3;
-  const int m = rows.count();
-  bool soft = true;
-  for (int k = 0; k < m; ++k) soft = soft && (rows.gamma[k] > 0.0 || !(diagonal_[k] > 0.0));
-  VectorXd u, z;  // the least F so far, once needed
-  int fewest = m + 1, patience = kPatience;
-  const int most = 100 + 10 * m;
-  for (int iteration = 0; iteration < most; ++iteration) {
-    if (Status status = solve_active(rows, inverse_mass, start, v, y); !status.ok()) return status;
-    if (!rows.unilateral) return {};
-    find_wrong(rows, v, y);
-    const int wrong = static_cast<int>(wrong_.size());
-    if (wrong == 0) return {};
-    if (soft) {
-      if (u.size() == 0) {
-        u = v, z = y;
-      } else {
-        search(rows, v, y, u, z);
-      }
-      for (int k = 0; k < m; ++k)
-        active_[k] = diagonal_[k] > 0.0 && rows.multiply_row(k, u.data()) + r_[k] < 0.0;
-      continue;
-    }
-    if (wrong < fewest) {
-      fewest = wrong;
-      patience = kPatience;
-    } else if (patience > 0) {
-      --patience;
-    } else {
-      wrong_ = {wrong_.back()};
-    }
-    for (int k : wrong_) active_[k] = !active_[k];
-  }
-  return Status::failure(StatusCode::kNotConverged, "block pivoting of unilateral rows does not end");
-}
-
 Status StepRowSolver::solve(const StepRows& rows, const VectorXd& inverse_mass, VectorXd& v, VectorXd& y) {
   const VectorXd start = v;
   Status status = begin(rows, inverse_mass, v, y);
   if (status.ok() && rows.count() > 0) status = pivot(rows, inverse_mass, start, v, y);
-  if (!status.ok()) v = start, y.setZero();
-  return status;
-}
-
-Status StepRowSolver::close(const StepRows& rows, const VectorXd& inverse_mass, double tolerance, VectorXd& v,
-                            VectorXd& y) {
-  constexpr int kMost = 200;
-  const VectorXd start = v;
-  Status status = begin(rows, inverse_mass, v, y);
-  VectorXd held = VectorXd::Zero(rows.count());
-  left_ = 0.0;
-  for (rounds_ = 1; status.ok() && rows.count() > 0; ++rounds_) {
-    status = pivot(rows, inverse_mass, start, v, y);
-    left_ = rows.gamma.cwiseProduct(y - held).lpNorm<Eigen::Infinity>();
-    if(getenv("ROUND")) fprintf(stderr,"  round %d left %.3e fact %d\n",rounds_,left_,factorizations_);
-    if (left_ <= tolerance || rounds_ == kMost) break;
-    held = y;
-    set_right(rows, start, rows.r - rows.gamma.cwiseProduct(held));
-  }
   if (!status.ok()) v = start, y.setZero();
   return status;
 }

@@ -20,16 +20,22 @@ double sweep_step_rows(const StepRows& rows, const VectorXd& inverse_mass, Vecto
 
 /// The same rows by a factorisation of their dual Schur complement S = J W J^T + gamma: dense for a few rows,
 /// CHOLMOD for many. Unilateral rows by block principal pivoting (Judice and Pires, Computers and Operations
-/// Research 21, 1994), which ends for every positive definite S.
+/// Research 21, 1994), which ends for every positive definite S; where every gamma is positive with a line
+/// search, which takes fewer factors.
 class StepRowSolver {
  public:
   /// v: v_start in, v out. y: the guess in (only its signs count, and only on unilateral rows), multipliers
   /// out. Rows with gamma 0 that move nothing are left alone, y = 0. On failure v is v_start and y 0:
   /// kSingular where rows that hold depend on each other to rounding, kNonFinite, kNotConverged.
   Status solve(const StepRows& rows, const VectorXd& inverse_mass, VectorXd& v, VectorXd& y);
-  Status close(const StepRows& rows, const VectorXd& inverse_mass, double tolerance, VectorXd& v, VectorXd& y);
-  int rounds() const { return rounds_; }
-  double left() const { return left_; }
+  /// The same for rows that are hard, J v + r = 0 (>= 0 where unilateral) to `tolerance` [of r], and may
+  /// depend on each other: gamma > 0 only divides the way into rounds, each with a factor that is kept while
+  /// the same rows push (proximal point method on y, Rockafellar, SIAM J. Control Optim. 14, 1976). Of all y
+  /// that give v some one. kNotConverged where no v holds all rows, saying what is left, and after 300
+  /// rounds.
+  Status close(const StepRows& rows, const VectorXd& inverse_mass, double tolerance, VectorXd& v,
+               VectorXd& y);
+  int rounds() const { return rounds_; }                  ///< of the last close
   int factorizations() const { return factorizations_; }  ///< of the last solve
 
  private:
@@ -37,7 +43,7 @@ class StepRowSolver {
   void set_right(const StepRows& rows, const VectorXd& start, const VectorXd& r);
   Status pivot(const StepRows& rows, const VectorXd& inverse_mass, const VectorXd& start, VectorXd& v,
                VectorXd& y);
-  void search(const StepRows& rows, const VectorXd& v, const VectorXd& y, VectorXd& u, VectorXd& z) const;
+  void search(const StepRows& rows, const VectorXd& v, const VectorXd& y, VectorXd& u, VectorXd& z);
   void assemble(const StepRows& rows, const VectorXd& inverse_mass);
   Status analyze(const StepRows& rows);
   void guess_active(const StepRows& rows, const VectorXd& y);
@@ -56,7 +62,6 @@ class StepRowSolver {
 
   bool dense_ = true;
   int factorizations_ = 0, rounds_ = 0;
-  double left_ = 0.0;
   std::vector<char> active_, factored_;  // factored: the active rows of the factor
   std::vector<int> wrong_;
   VectorXd diagonal_, r_, right_, residual_, correction_, reach_;

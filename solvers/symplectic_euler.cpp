@@ -11,7 +11,7 @@ namespace feder {
 struct SymplecticEuler::Projection {
   DensityRows density;
   StepRowSolver solver;
-  VectorXd y;
+  VectorXd swept, y;
 };
 
 SymplecticEuler::SymplecticEuler(const System& system, const IntegratorOptions& options)
@@ -22,17 +22,24 @@ SymplecticEuler::~SymplecticEuler() = default;
 
 Status SymplecticEuler::prepare() {
   projection_.reset();
-  if (system_->fluid && system_->fluid->incompressible()) projection_ = std::make_unique<Projection>();
+  if (!(system_->fluid && system_->fluid->incompressible())) return {};
+  const std::string& route = options_.route;
+  if (route != "auto" && route != "dual" && route != "sweeps")
+    return Status::failure(
+        StatusCode::kRefused,
+        "symplectic_euler: route " + route + " for an incompressible fluid, not auto, dual or sweeps");
+  projection_ = std::make_unique<Projection>();
   return {};
 }
 
 // v' onto the density rows of the start, phi + dt phidot(v') <= 0. Multipliers start at 0, so that a step
 // depends on its state alone.
 Status SymplecticEuler::hold_density(double dt, const State& state) {
-  // Rows of a regular arrangement depend on each other: a part of their own mobility decides.
-  constexpr double kSoftness = 1e-4;
-  constexpr double kNearly = -1e-3;  // of phi: a guess which rows push
-  auto& [density, solver, y] = *projection_;
+  constexpr double kLeft = 1e-9;      // of phi, at most
+  constexpr double kSoftness = 1e-4;  // of a row's own mobility, in each round
+  // sweeps that guess which rows push: more in space, where factors are dearer
+  const int guess = system_->fluid->material().dimension > 2 ? 300 : 100;
+  auto& [density, solver, swept, y] = *projection_;
   const VectorXd& W = system_->inverse_mass;
   if (!density.evaluate(*system_->fluid, state.q, dt))
     return Status::failure(StatusCode::kNonFinite, "a position of the fluid is not finite");
@@ -42,10 +49,12 @@ Status SymplecticEuler::hold_density(double dt, const State& state) {
       if (sweep_step_rows(density.rows, W, v_next_, y, options_.row_weights) == 0.0) break;
     return {};
   }
+  swept = v_next_;
+  for (int i = 0; i < guess; ++i)
+    if (sweep_step_rows(density.rows, W, swept, y) == 0.0) break;
   for (int k = 0; k < density.rows.count(); ++k)
     density.rows.gamma[k] = kSoftness * density.rows.mobility(k, W);
-  for (int k = 0; k < density.rows.count(); ++k) y[k] = density.phi[k] > kNearly ? 1.0 : 0.0;
-  return solver.solve(density.rows, W, v_next_, y);
+  return solver.close(density.rows, W, kLeft / dt, v_next_, y);
 }
 
 Status SymplecticEuler::step(double dt, State& state, History& history, EnergyLedger* ledger) {

@@ -8,8 +8,9 @@ namespace feder {
 
 /// v' = v + dt M^-1 F(q, v, t), then q' = q + dt v' (notes B2): explicit Euler with the new velocity.
 /// Symplectic without damping, stable up to omega dt = 2. An incompressible fluid (engine/fluid/fluid.h) is
-/// held after the kick by its density rows, pushes only: phi(q) + dt phidot(v') <= 0, closed directly (route
-/// auto or dual) or by `sweeps` sweeps (route sweeps).
+/// held after the kick by its density rows, pushes only: phi(q) + dt phidot(v') <= 0, closed directly to 1e-9
+/// (route auto or dual; kNotConverged where no v' closes them, as in a tank too full) or by `sweeps` sweeps
+/// (route sweeps). What density is left over is of second order in dt v'.
 class SymplecticEuler {
  public:
   static constexpr IntegratorInfo kInfo{

@@ -3,10 +3,16 @@
 #include "engine/fluid/density_rows.h"
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "engine/body.h"
 
 namespace feder {
+namespace {
+
+constexpr double kRounding = 1e-15;
+
+}  // namespace
 
 // Pairs from both sides: those of place i are around_[start_[i]] to around_[start_[i + 1] - 1].
 void DensityRows::list_neighbours() {
@@ -64,7 +70,7 @@ bool DensityRows::evaluate(const Fluid& fluid, const VectorXd& q, double dt) {
   for (int k = 0; k < count; ++k) {
     const int i = place_of_[point_of[k]];
     phi[k] = pairs_.density[i] / m.rest_density - 1.0;
-    Vector3d own = Vector3d::Zero();
+    Vector3d own = Vector3d::Zero(), size = Vector3d::Zero();
     held_.clear();
     for (int n = start_[i]; n < start_[i + 1]; ++n) {
       const auto [j, slope] = around_[n];
@@ -72,8 +78,11 @@ bool DensityRows::evaluate(const Fluid& fluid, const VectorXd& q, double dt) {
       for (int c = 0; c < D; ++c)
         gradient[c] = -pairs_.mass[j] / m.rest_density * slope * (pairs_.x[c][i] - pairs_.x[c][j]);
       own += gradient;
+      size += gradient.cwiseAbs();
       add_gradient(fluid, q, pairs_.point(j), -gradient);
     }
+    for (int c = 0; c < D; ++c)  // what neighbours on all sides leave of their sum is rounding
+      if (std::abs(own[c]) <= kRounding * size[c]) own[c] = 0.0;
     add_gradient(fluid, q, point_of[k], own);
     for (const Held& h : held_) {
       for (int c = 0; c < D; ++c) rows.add(3 * h.node + c, h.force[c]);

@@ -89,8 +89,10 @@ void Fluid::add_forces(const VectorXd& q, const VectorXd& v, VectorXd& f) const 
   Workspace& w = workspace();
   int bad = 0;
   if (!find_pairs(q, w.pairs, &bad)) {
-    const int node = bad < fluid ? particles_[bad] : samples_[bad - fluid].node;
-    f[3 * node] = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    f.segment<3>(3 * (bad < fluid ? particles_[bad] : samples_[bad - fluid].node)).setConstant(kNaN);
+    if (bad >= fluid)  // what holds a sample may be masked along every axis
+      for (int node : particles_) f.segment<3>(3 * node).setConstant(kNaN);
     return;
   }
   if (material_.viscosity > 0.0) {

@@ -69,8 +69,8 @@ class Fluid {
   /// u(rho) with du/drho = p/rho^2 and u(rho_0) = 0 [J/kg].
   double energy_per_mass(double density) const;
 
-  /// f += pressure and viscous forces, 3 per node; the first bad node gets NaN where a position is not
-  /// finite.
+  /// f += pressure and viscous forces, 3 per node; where a position is not finite the first bad node gets NaN
+  /// along every axis, and with a boundary sample all particles.
   void add_forces(const VectorXd& q, const VectorXd& v, VectorXd& f) const;
   /// sum m_i u(rho_i) [J]; NaN where a position is not finite.
   double energy(const VectorXd& q) const;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/body.h"
 #include "engine/energy.h"
-#include "engine/fluid/density_rows.h"
 #include "models/catalog.h"
 #include "models/dam_break.h"
 #include "models/floating_body.h"
@@ -16,7 +16,6 @@
 #include "solvers/reference.h"
 #include "solvers/simulate.h"
 #include "solvers/stability.h"
-#include "solvers/step_row_solver.h"
 #include "tests/engine/fluid/random_fluid.h"
 
 namespace feder {
@@ -75,6 +74,31 @@ TEST(FluidRun, MomentumStaysToRoundingBodiesIncluded) {
     if (std::string(integrator) == "leapfrog")  // turns bodies freely; the others turn them by their spin
       EXPECT_LT((angular_momentum(system, end) - angular_momentum(system, start)).norm(), 1e-12 * size);
   }
+}
+
+TEST(FluidRun, MomentumOfTenThousandParticlesAndBodiesStaysToRounding) {
+  Random random(6);
+  RandomFluid options;
+  options.walls = false;
+  options.particles = 12000;
+  options.samples = 200;
+  options.material.support = 0.15;
+  options.material.viscosity = 1.0;
+  options.material.wall_drag = 1.0;
+  const auto [system, start] = random_fluid(random, options);
+  const State end = run(system, start, "leapfrog", 1e-4, 1e-3);
+  double size = 0.0, turn = 0.0;
+  for (int i = 0; i < system.places(); ++i) {
+    size += system.mass[i] * end.v.segment<3>(3 * i).norm();
+    turn += system.mass[i] * end.q.segment<3>(3 * i).norm() * end.v.segment<3>(3 * i).norm();
+  }
+  EXPECT_GT((end.v - start.v).norm(), 0.05 * start.v.norm());
+  for (const Body& b : system.bodies) {
+    EXPECT_GT((end.v - start.v).segment<3>(3 * b.centre).norm(), 0.05);
+    EXPECT_GT((end.v - start.v).segment<3>(3 * b.spin).norm(), 0.05);
+  }
+  EXPECT_LT((linear_momentum(system, end) - linear_momentum(system, start)).norm(), 1e-12 * size);
+  EXPECT_LT((angular_momentum(system, end) - angular_momentum(system, start)).norm(), 1e-12 * turn);  // 4e-17
 }
 
 TEST(FluidRun, ViscosityTakesEnergy) {
@@ -149,45 +173,6 @@ TEST(FluidStability, RatesAreThoseOfTwoParticles) {
               1e-6 * std::sqrt(2.0 * stiffness / m));
 }
 
-// ---- Incompressible: density as a hard row
-
-HydrostaticColumn incompressible(int layers, int columns) {
-  HydrostaticColumn options;
-  options.layers = layers;
-  options.columns = columns;
-  options.sound_speed = kInfinite;
-  return options;
-}
-
-double compression(const System& system, const State& state) {
-  VectorXd rho;
-  system.fluid->densities(state.q, rho);
-  return rho.maxCoeff() / system.fluid->material().rest_density - 1.0;
-}
-
-TEST(IncompressibleFluid, IsRefusedByNameWhereNoRowsHoldIt) {
-  const Model model = make_hydrostatic_column(incompressible(6, 4));
-  int refused = 0;
-  for_each_integrator([&]<IntegratorType T>() {
-    const Integrator method = make_integrator(T::kInfo.name, model.system);
-    const std::string why = refusal(method, model.system);
-    EXPECT_EQ(why.empty(), std::string(T::kInfo.name) == "symplectic_euler") << T::kInfo.name;
-    if (!why.empty()) {
-      ++refused;
-      EXPECT_NE(why.find("incompressible fluid"), std::string::npos) << why;
-    }
-  });
-  EXPECT_GE(refused, 6);
-}
-
-TEST(IncompressibleFluid, HasNoJudge) {
-  const Model model = make_hydrostatic_column(incompressible(6, 4));
-  const Reference judge = make_reference(model.system, model.state, 0.01, {});
-  EXPECT_EQ(judge.status.code, StatusCode::kRefused);
-  EXPECT_NE(judge.status.reason.find("incompressible"), std::string::npos);
-  EXPECT_EQ(ida_solve(model.system, model.state, 0.01, {}).status.code, StatusCode::kRefused);
-}
-
 TEST(FluidRun, LeapfrogMeetsTheJudge) {
   HydrostaticColumn options;
   options.layers = 6;
@@ -217,95 +202,6 @@ TEST(FluidStability, LimitsOfASystemIncludeItsFluid) {
   EXPECT_EQ(forecast.spectrum.largest_frequency, rates.frequency);
   EXPECT_NEAR(forecast.limits[0].dt, 2.8284 / rates.frequency, 1e-3 / rates.frequency);
   EXPECT_NE(forecast.limits[0].why.find("fluid"), std::string::npos);
-}
-
-TEST(IncompressibleFluid, ColumnKeepsItsDensity) {
-  const Model model = make_hydrostatic_column(incompressible(12, 6));
-  const double dt = 2e-3;
-  EXPECT_LT(compression(model.system, run(model.system, model.state, "symplectic_euler", dt, 0.1)),
-            1e-4);  // 1.8e-6
-  // sweeps leave more, the fewer the more
-  double last = 0.0;
-  for (int sweeps : {200, 20, 2}) {
-    const double left = compression(model.system, run(model.system, model.state, "symplectic_euler", dt, 0.1,
-                                                      {.route = "sweeps", .sweeps = sweeps}));
-    EXPECT_GT(left, last) << sweeps;
-    last = left;
-  }
-  EXPECT_GT(last, 3e-4);  // 6e-4
-}
-
-TEST(IncompressibleFluid, WithoutItsRowsTheColumnFallsThroughTheFloor) {
-  HydrostaticColumn options = incompressible(12, 6);
-  options.sound_speed = 1e-3;  // as good as no pressure
-  const Model model = make_hydrostatic_column(options);
-  auto lowest = [](const Model& m) {
-    const State end = run(m.system, m.state, "symplectic_euler", 2e-3, 0.1);
-    double y = kInfinite;
-    for (int i : m.system.fluid->particles()) y = std::min(y, end.q[3 * i + 1]);
-    return y;
-  };
-  EXPECT_LT(lowest(model), 0.0);
-  EXPECT_GT(lowest(make_hydrostatic_column(incompressible(12, 6))), 0.02);
-}
-
-TEST(IncompressibleFluid, SweepsConvergeToTheDirectSolve) {
-  const Model model = make_hydrostatic_column(incompressible(10, 5));
-  const System& s = model.system;
-  DensityRows density;
-  const double dt = 2e-3;
-  ASSERT_TRUE(density.evaluate(*s.fluid, model.state.q, dt));
-  VectorXd kicked = model.state.v;
-  for (int i : s.fluid->particles()) kicked[3 * i + 1] -= 9.81 * dt;
-  for (int k = 0; k < density.rows.count(); ++k)
-    density.rows.gamma[k] = 1e-3 * density.rows.mobility(k, s.inverse_mass);
-  VectorXd direct = kicked, y;
-  StepRowSolver solver;
-  const Status status = solver.solve(density.rows, s.inverse_mass, direct, y);
-  ASSERT_TRUE(status.ok()) << status.reason;
-  EXPECT_GT((direct - kicked).norm(), 0.01);
-  // the complementarity of pushes
-  int pushing = 0;
-  for (int k = 0; k < density.rows.count(); ++k) {
-    const double w =
-        density.rows.multiply_row(k, direct.data()) + density.rows.gamma[k] * y[k] + density.rows.r[k];
-    EXPECT_GE(y[k], 0.0);
-    EXPECT_GT(w, -1e-10);
-    EXPECT_NEAR(y[k] * w, 0.0, 1e-10);
-    pushing += y[k] > 0.0;
-  }
-  EXPECT_GT(pushing, 20);
-  double last = 1.0;
-  for (int sweeps : {10, 100, 1000, 10000}) {
-    VectorXd swept = kicked, z = VectorXd::Zero(y.size());
-    for (int i = 0; i < sweeps; ++i) (void)sweep_step_rows(density.rows, s.inverse_mass, swept, z);
-    const double off = (swept - direct).norm() / (direct - kicked).norm();
-    EXPECT_LT(off, last) << sweeps;
-    last = off;
-  }
-  EXPECT_LT(last, 1e-6);  // 7e-8
-}
-
-TEST(IncompressibleFluid, LedgerClosesAndAFailedStepLeavesTheState) {
-  const Model model = make_hydrostatic_column(incompressible(8, 4));
-  Integrator method = make_integrator("symplectic_euler", model.system);
-  ASSERT_TRUE(std::visit([](auto& m) { return m.prepare(); }, method).ok());
-  State state = model.state;
-  History history;
-  EnergyLedger ledger;
-  auto step = [&] {
-    return std::visit([&](auto& m) { return m.step(2e-3, state, history, &ledger); }, method);
-  };
-  for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(step().ok());
-    EXPECT_GT(std::abs(ledger.row_work), 1e-6);  // the pressure
-    EXPECT_LT(std::abs(ledger.imbalance()), 1e-13 * ledger.magnitude());
-  }
-  state.q[4] = std::nan("");
-  const State before = state;
-  const Status status = step();
-  EXPECT_EQ(status.code, StatusCode::kNonFinite);
-  EXPECT_TRUE(state.v == before.v && state.t == before.t);
 }
 
 // ---- Figures of textbooks

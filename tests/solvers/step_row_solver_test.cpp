@@ -229,5 +229,81 @@ TEST(StepRowFailures, RowsThatMoveNothingAreLeftAlone) {
     }
 }
 
+// ---- Hard rows that depend on each other
+
+// Rows that some v holds, three of them for every two coordinates; gamma is a part of each row's mobility.
+Problem dependent_rows(std::uint64_t seed, int m, bool unilateral) {
+  Problem p = random_rows(seed, m, 2 * m / 3, 6, 0.0);
+  Random random(seed + 100);
+  const VectorXd held = random.numbers(static_cast<int>(p.v.size()));
+  p.rows.unilateral = unilateral;
+  p.rows.r = -p.jacobian() * held;
+  for (int i = 0; i < p.v.size(); ++i)
+    if (p.inverse_mass[i] == 0.0) p.rows.r += p.jacobian().col(i) * (held[i] - p.v[i]);
+  for (int k = 0; k < m; ++k) p.rows.gamma[k] = 1e-4 * p.rows.mobility(k, p.inverse_mass);
+  for (int k = 0; k < m && unilateral; ++k) p.rows.r[k] += std::max(0.0, random.uniform());
+  return p;
+}
+
+TEST(HardRows, CloseWhereTheyDependOnEachOther) {
+  for (const bool unilateral : {false, true})
+    for (const int m : {12, 45, 60, 400})
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const Problem p = dependent_rows(seed, m, unilateral);
+        const MatrixXd J = p.jacobian();
+        VectorXd v = p.v, y, soft = p.v, y_soft;
+        StepRowSolver solver;
+        ASSERT_TRUE(solver.solve(p.rows, p.inverse_mass, soft, y_soft).ok());
+        const Status status = solver.close(p.rows, p.inverse_mass, 1e-9, v, y);
+        ASSERT_TRUE(status.ok()) << status.reason;
+        EXPECT_GT(solver.rounds(), 1);
+        auto left = [&](const VectorXd& at) {
+          const VectorXd w = J * at + p.rows.r;
+          return unilateral ? -w.minCoeff() : w.lpNorm<Eigen::Infinity>();
+        };
+        EXPECT_GT(left(soft), 1e-6) << m;
+        EXPECT_LT(left(v), 1.01e-9) << m;
+        // the v next to the start: pushes alone, by rows that are closed
+        EXPECT_LT((v - p.v - p.inverse_mass.cwiseProduct(J.transpose() * y)).norm(),
+                  1e-12 * (v - p.v).norm());
+        if (!unilateral) continue;
+        EXPECT_GE(y.minCoeff(), 0.0);
+        const VectorXd w = J * v + p.rows.r;
+        for (int k = 0; k < m; ++k)
+          if (y[k] > 0.0) EXPECT_LT(w[k], 1.01e-9) << m;
+      }
+}
+
+TEST(HardRows, OfWhichNoneHoldsAllAreRefused) {
+  Problem p;
+  for (const double side : {1.0, -1.0, 1.0}) {
+    p.rows.add(0, side);
+    p.rows.close_row();
+  }
+  p.rows.r = Eigen::Vector3d(-1.0, -1.0, 0.5);  // v >= 1, v <= -1
+  p.rows.gamma = VectorXd::Constant(3, 1e-4);
+  p.rows.unilateral = true;
+  VectorXd v = VectorXd::Constant(1, 0.25), y;
+  const VectorXd one = VectorXd::Ones(1);
+  const Status status = StepRowSolver().close(p.rows, one, 1e-9, v, y);
+  EXPECT_EQ(status.code, StatusCode::kNotConverged);
+  EXPECT_NE(status.reason.find("contradict"), std::string::npos) << status.reason;
+  EXPECT_EQ(v[0], 0.25);
+  EXPECT_EQ(y.norm(), 0.0);
+  p.rows.r[1] = 2.0;  // v <= 2
+  ASSERT_TRUE(StepRowSolver().close(p.rows, one, 1e-9, v, y).ok());
+  EXPECT_NEAR(v[0], 1.0, 1.01e-9);
+}
+
+TEST(HardRows, KeepTheirFactorWhileTheSameRowsPush) {
+  const Problem p = dependent_rows(1, 300, false);
+  VectorXd v = p.v, y;
+  StepRowSolver solver;
+  const Status status = solver.close(p.rows, p.inverse_mass, 1e-9, v, y);
+  ASSERT_TRUE(status.ok()) << status.reason;
+  EXPECT_GT(solver.rounds(), 2);
+  EXPECT_EQ(solver.factorizations(), 1);
+}
+
 }  // namespace
 }  // namespace feder

@@ -253,6 +253,27 @@ TEST(Fluid, APositionThatIsNotFiniteIsNamed) {
   EXPECT_TRUE(std::isnan(system.fluid->energy(state.q)));
 }
 
+TEST(Fluid, APositionThatIsNotFiniteIsNoticedBehindMasks) {
+  // particle 1 moves along y alone, node 2, which holds a sample, along no axis
+  SystemBuilder builder;
+  const std::vector<int> nodes = {
+      builder.add_particle(1.0, {0.0, 0.0, 0.0}, Vector3d::Zero(), kPlanarXY).node,
+      builder.add_particle(1.0, {0.1, 0.0, 0.0}, Vector3d::Zero(), 2).node};
+  const int held = builder.add_world_point({0.0, 0.1, 0.0}).node;
+  const FluidMaterial material{.dimension = 2, .support = 0.3, .rest_density = 10.0};
+  builder.set_fluid(
+      std::make_shared<Fluid>(material, nodes, std::vector<BoundarySample>{{{.node = held}, 0.01}}));
+  const auto [system, state] = builder.build();
+  VectorXd f;
+  ASSERT_TRUE(evaluate_forces(system, state, f).ok());
+  EXPECT_GT(f.norm(), 1.0);
+  for (int coordinate : {3 * nodes[1] + 1, 3 * held}) {
+    State bad = state;
+    bad.q[coordinate] = std::nan("");
+    EXPECT_EQ(evaluate_forces(system, bad, f).code, StatusCode::kNonFinite) << coordinate;
+  }
+}
+
 TEST(Fluid, BoundarySamplesOfAPlaneFillWhatItCutsOff) {
   // three layers of samples below a half space of fluid
   FluidMaterial material{.dimension = 2, .support = 3.0, .rest_density = 1000.0};
