@@ -27,4 +27,6 @@ function(feder_library name)
                                                   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/feder>)
   target_compile_features(feder_${name} PUBLIC cxx_std_20)
   target_link_libraries(feder_${name} PRIVATE $<BUILD_INTERFACE:feder_flags>)
+  # A third of the time to compile; sources with options of their own skip it.
+  target_precompile_headers(feder_${name} PRIVATE <Eigen/Dense>)
 endfunction()
