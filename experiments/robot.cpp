@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "engine/check.h"
+#include "experiments/support/draws.h"
 #include "experiments/support/experiment.h"
 #include "experiments/support/timing.h"
 #include "models/robot/arms.h"
@@ -243,26 +243,11 @@ Chart offsets_chart(const Table& table) {
 
 // ---- Lines
 
-class Draws {
- public:
-  explicit Draws(std::uint64_t seed) : random_(seed) {}
-  // in [low, high), the same with every library
-  double uniform(double low, double high) {
-    return low + (high - low) * (static_cast<double>(random_() >> 11) * 0x1p-53);
-  }
-  VectorXd joints(const KinematicMap& map) {
-    VectorXd q(map.joints());
-    for (int i = 0; i < q.size(); ++i) q[i] = uniform(map.least[i], map.greatest[i]);
-    return q;
-  }
-  Vector3d direction(bool planar) {
-    const double z = planar ? 0.0 : uniform(-1.0, 1.0), turn = uniform(-kPi, kPi), r = std::sqrt(1.0 - z * z);
-    return {r * std::cos(turn), r * std::sin(turn), z};
-  }
-
- private:
-  std::mt19937_64 random_;
-};
+Vector3d direction(Draws& draws, bool planar) {
+  const double z = planar ? 0.0 : draws.uniform(-1.0, 1.0), turn = draws.uniform(-kPi, kPi),
+               r = std::sqrt(1.0 - z * z);
+  return {r * std::cos(turn), r * std::sin(turn), z};
+}
 
 void study_lines(Context& context, const Arm& arm) {
   const KinematicMap map = kinematic_map(arm);
@@ -272,7 +257,7 @@ void study_lines(Context& context, const Arm& arm) {
   for (std::int64_t line = 0; line < context.settings.integer("lines"); ++line) {
     Passage p{arm.name, arm, map.reach.greatest, {}, draws.joints(map)};
     const Pose from = tool_pose(arm, p.start);
-    const Vector3d to = way * draws.direction(arm.task.size() == 2);
+    const Vector3d to = way * direction(draws, arm.task.size() == 2);
     p.path = [=](double s) { return Pose{from.rotation, from.position + s * to}; };
     for (const Method& m : kMethods) {
       if (context.interrupted()) return;

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "engine/check.h"
+#include "experiments/support/draws.h"
 #include "experiments/support/experiment.h"
 #include "experiments/support/timing.h"
 #include "models/robot/arms.h"
@@ -34,23 +34,6 @@ const ExperimentInfo kInfo{
     .cases = {"targets: every arm, within reach and out of it", "workspace: planar_2r, puma560"}};
 
 // ---- Targets
-
-class Draws {
- public:
-  explicit Draws(std::uint64_t seed) : random_(seed) {}
-  // in [low, high), the same with every library
-  double uniform(double low, double high) {
-    return low + (high - low) * (static_cast<double>(random_() >> 11) * 0x1p-53);
-  }
-  VectorXd joints(const KinematicMap& map) {
-    VectorXd q(map.joints());
-    for (int i = 0; i < q.size(); ++i) q[i] = uniform(map.least[i], map.greatest[i]);
-    return q;
-  }
-
- private:
-  std::mt19937_64 random_;
-};
 
 double at_fraction(std::vector<double> values, double fraction) {
   std::sort(values.begin(), values.end());
