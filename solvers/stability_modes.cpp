@@ -9,7 +9,8 @@
 //
 // Notes' step (E8): with mu = 1/dt, each x allows mu >= mu_x, the root of 4 mu^2 + 2 mu x.Cx - x.(Kg - Km)x =
 // 0 (x.Mx = 1). The largest mu_x is found by iterating on the top eigenvector of Kg - Km - 2 mu C: mu rises
-// monotonically.//
+// monotonically.
+//
 // Symplectic Euler the same way: each x allows mu >= mu_x, the larger root of 4 mu^2 - 2 mu x.Cx - x.Kx = 0,
 // and mu rises on the top eigenvector of K + 2 mu C.
 #include "solvers/stability_modes.h"
